@@ -1,0 +1,94 @@
+"""The vocabulary of joints: their numbers, their names, the trees that tie them together.
+
+Names and frames follow REP-155 where it has one. Left and right are the person's own.
+"""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.errors import InputError
+
+JOINT_NAMES: tuple[str, ...] = (
+    'head', 'neck', 'torso', 'pelvis',
+    'l_shoulder', 'l_elbow', 'l_wrist', 'l_hand', 'l_hip', 'l_knee', 'l_ankle', 'l_foot',
+    'r_shoulder', 'r_elbow', 'r_wrist', 'r_hand', 'r_hip', 'r_knee', 'r_ankle', 'r_foot',
+)  # fmt: skip
+
+JOINT_NUMBERS: dict[str, int] = {name: number for number, name in enumerate(JOINT_NAMES)}
+
+# The paper's 17: what `train` estimates unless it is told otherwise.
+DEFAULT_JOINTS: tuple[str, ...] = tuple(
+    name for name in JOINT_NAMES if name not in {'pelvis', 'l_foot', 'r_foot'}
+)
+
+# Each joint's parent (paper, Fig. 3a): the upper body hangs on the neck, the lower body on the
+# pelvis, and nothing joins the two.
+PARENTS: dict[str, str] = {
+    'head': 'neck',
+    'torso': 'neck',
+    'l_shoulder': 'neck',
+    'l_elbow': 'l_shoulder',
+    'l_wrist': 'l_elbow',
+    'l_hand': 'l_wrist',
+    'r_shoulder': 'neck',
+    'r_elbow': 'r_shoulder',
+    'r_wrist': 'r_elbow',
+    'r_hand': 'r_wrist',
+    'l_hip': 'pelvis',
+    'l_knee': 'l_hip',
+    'l_ankle': 'l_knee',
+    'l_foot': 'l_ankle',
+    'r_hip': 'pelvis',
+    'r_knee': 'r_hip',
+    'r_ankle': 'r_knee',
+    'r_foot': 'r_ankle',
+}
+
+
+def numbers_of(names: Iterable[str]) -> NDArray[np.uint16]:
+    """Return the numbers of the joints called `names`, sorted and without repetition, shape (J,).
+
+    Raises:
+        InputError: a name is not in the vocabulary, or there is none.
+    """
+    wanted = set(names)
+    unknown = sorted(wanted - set(JOINT_NUMBERS))
+    if unknown:
+        msg = f'unknown joint {", ".join(unknown)}; the joints are {", ".join(JOINT_NAMES)}'
+        raise InputError(msg)
+    if not wanted:
+        msg = 'no joint is named; name at least one'
+        raise InputError(msg)
+    return np.array(sorted(JOINT_NUMBERS[name] for name in wanted), dtype=np.uint16)
+
+
+def names_of(numbers: NDArray[np.uint16] | Sequence[int]) -> list[str]:
+    """Return the names of the joints `numbers`, shape (J,)."""
+    return [JOINT_NAMES[int(number)] for number in numbers]
+
+
+def default_edges(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int32]:
+    """Return the paper's two trees as pairs (parent, child) of indices into `numbers`, (E, 2).
+
+    A joint whose parent is not among `numbers` hangs on its nearest ancestor that is. Where the
+    root itself is missing, the first of its descendants (in the vocabulary's order) stands in.
+    """
+    names = names_of(numbers)
+    index = {name: position for position, name in enumerate(names)}
+    stand_in: dict[str, str] = {}
+    edges: list[tuple[int, int]] = []
+    for name in names:
+        ancestor = name
+        while ancestor in PARENTS:
+            ancestor = PARENTS[ancestor]
+            if ancestor in index:
+                break
+        if ancestor == name:  # a root
+            continue
+        if ancestor not in index:
+            ancestor = stand_in.setdefault(ancestor, name)
+        if ancestor != name:
+            edges.append((index[ancestor], index[name]))
+    return np.array(edges, dtype=np.int32).reshape(-1, 2)

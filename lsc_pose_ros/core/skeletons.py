@@ -1,0 +1,69 @@
+"""The skeletons of one frame, and the 20 bytes a joint that a PointCloud2 carries of them."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+# One point of `~/skeletons`: little endian, no padding.
+POINT_DTYPE = np.dtype(
+    [
+        ('x', '<f4'),
+        ('y', '<f4'),
+        ('z', '<f4'),
+        ('confidence', '<f4'),
+        ('body', '<u2'),
+        ('joint', '<u2'),
+    ]
+)
+
+
+class Skeletons(NamedTuple):
+    """The bodies of one frame: B bodies, each with the same J joints.
+
+    Attributes:
+        bodies: the number of each body, as the mask's pixels give it, shape (B,).
+        joints: the number of each joint in the vocabulary, shape (J,).
+        positions: metres in the camera's optical frame, NaN where unknown, shape (B, J, 3).
+        confidence: 0 (unknown) to 1, shape (B, J).
+    """
+
+    bodies: NDArray[np.uint16]
+    joints: NDArray[np.uint16]
+    positions: NDArray[np.float32]
+    confidence: NDArray[np.float32]
+
+
+def no_skeletons(joints: NDArray[np.uint16]) -> Skeletons:
+    """Return the answer to a frame that shows nobody."""
+    count = len(joints)
+    return Skeletons(
+        np.zeros(0, np.uint16),
+        joints,
+        np.zeros((0, count, 3), np.float32),
+        np.zeros((0, count), np.float32),
+    )
+
+
+def pack(skeletons: Skeletons) -> NDArray[np.void]:
+    """Return `skeletons` as an organised cloud of POINT_DTYPE, shape (B, J)."""
+    points = np.zeros(skeletons.confidence.shape, POINT_DTYPE)
+    for axis, name in enumerate('xyz'):
+        points[name] = skeletons.positions[..., axis]
+    points['confidence'] = skeletons.confidence
+    points['body'] = skeletons.bodies[:, None]
+    points['joint'] = skeletons.joints[None, :]
+    return points
+
+
+def unpack(points: NDArray[np.void]) -> Skeletons:
+    """Return the skeletons in a cloud of POINT_DTYPE, shape (B, J); the inverse of `pack`."""
+    positions = np.stack([points['x'], points['y'], points['z']], axis=-1).astype(np.float32)
+    joints = points['joint'][0] if len(points) else np.zeros(points.shape[1], np.uint16)
+    bodies = points['body'][:, 0] if points.shape[1] else np.zeros(len(points), np.uint16)
+    return Skeletons(
+        bodies.astype(np.uint16),
+        joints.astype(np.uint16),
+        positions,
+        points['confidence'].astype(np.float32),
+    )

@@ -1,0 +1,1 @@
+"""Recordings, importers, model files and synthetic people; imports core, never rclpy."""

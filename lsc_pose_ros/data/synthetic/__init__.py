@@ -1,0 +1,1 @@
+"""Synthetic people: bodies of simple solids, their motion, rendering and sensor noise."""

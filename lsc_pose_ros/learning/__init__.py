@@ -1,0 +1,1 @@
+"""Growing trees, fitting leaves, evaluating; imports core only."""

@@ -1,0 +1,1 @@
+"""The live node, its messages and parameters: the only place that imports rclpy."""
