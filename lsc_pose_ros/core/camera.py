@@ -19,8 +19,8 @@ class Intrinsics(NamedTuple):
 
 
 def back_project(
-    columns: NDArray[np.floating],
-    rows: NDArray[np.floating],
+    columns: NDArray[np.number],
+    rows: NDArray[np.number],
     depth: NDArray[np.floating],
     camera: Intrinsics,
 ) -> NDArray[np.float32]:

@@ -1,0 +1,216 @@
+"""The whole way from one depth image to joints; `estimate` gives the joints, `stages` the way."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.camera import Intrinsics
+from lsc_pose_ros.core.density import density, find_modes
+from lsc_pose_ros.core.descriptor import describe, mean_distance, quantise
+from lsc_pose_ros.core.forest import find_leaves
+from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
+from lsc_pose_ros.core.jit import kernel
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.core.silhouette import Silhouette, Window, cut_out, find_silhouette
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes
+
+# Fewer silhouette points than this are specks, not a person.
+FEWEST_POINTS = 30
+
+
+class Shape(NamedTuple):
+    """What the forest sees of a body.
+
+    Attributes:
+        window: the body cut out of the image.
+        silhouette: its silhouette.
+        scale: rho_bar, metres.
+        histograms: a descriptor a point, shape (N, 360).
+    """
+
+    window: Window
+    silhouette: Silhouette
+    scale: float
+    histograms: NDArray[np.float32]
+
+
+class Stages(NamedTuple):
+    """One body on its way through the method.
+
+    Attributes:
+        shape: the silhouette and its descriptors.
+        joint_votes: eq. 13, for each joint.
+        pair_votes: likewise for each edge.
+        candidates: the modes of eq. 14.
+        alone: each joint's best mode without the graph, metres, shape (J, 3).
+        chosen: the best combination over the trees (eq. 16), metres, shape (J, 3).
+        joints: the answer after ascent (eq. 17), metres, shape (J, 3).
+    """
+
+    shape: Shape
+    joint_votes: CastVotes
+    pair_votes: CastVotes
+    candidates: Candidates
+    alone: NDArray[np.float32]
+    chosen: NDArray[np.float32]
+    joints: NDArray[np.float32]
+
+
+def find_shape(
+    depth: NDArray[np.float32],
+    labels: NDArray[np.int32],
+    body: int,
+    view: tuple[Intrinsics, Settings],
+) -> Shape | None:
+    """Return what can be seen of `body`, or None where that is too little to be a person.
+
+    Args:
+        depth: metres, 0 where the sensor saw nothing, shape (H, W).
+        labels: the body number of each pixel, shape (H, W).
+        body: the number of the body.
+        view: the camera and the settings.
+    """
+    camera, settings = view
+    window = cut_out(depth, labels, body)
+    if window is None:
+        return None
+    silhouette = find_silhouette(window, camera, settings)
+    if len(silhouette.points) < FEWEST_POINTS:
+        return None
+    scale = mean_distance(silhouette.points)
+    if scale <= 0:
+        return None
+    histograms = describe(
+        silhouette.points, scale * settings.support_radius, settings.inner_radius
+    )
+    return Shape(window, silhouette, scale, histograms)
+
+
+class Estimator:
+    """Estimates joints with one model.
+
+    Args:
+        model: a trained model.
+        graph: whether the pictorial structure ties the joints together (eq. 16, 17); without it
+            each joint is the highest mode of its own density (eq. 14).
+    """
+
+    def __init__(self, model: Model, *, graph: bool = True) -> None:
+        """Prepare the model's numbers for the kernels."""
+        self.model = model
+        self.graph = graph
+        settings = model.settings
+        self._structure = Structure(
+            model.edges,
+            model.limb_lengths,
+            float(settings.joint_bandwidth),
+            float(settings.pair_weight),
+        )
+
+    @property
+    def joints(self) -> NDArray[np.uint16]:
+        """The numbers of the joints that are estimated, shape (J,)."""
+        return self.model.joints
+
+    def estimate(
+        self, depth: NDArray[np.float32], labels: NDArray[np.int32], camera: Intrinsics
+    ) -> Skeletons:
+        """Return the joints of every body in `labels`, in the order of the bodies' numbers.
+
+        Args:
+            depth: metres, 0 where the sensor saw nothing, shape (H, W).
+            labels: the body number of each pixel, NO_BODY for none, shape (H, W).
+            camera: the intrinsics.
+
+        A body of which too little is seen has NaN joints with confidence 0.
+        """
+        bodies = bodies_in(labels)
+        count = len(self.model.joints)
+        positions = np.full((len(bodies), count, 3), np.nan, np.float32)
+        confidence = np.zeros((len(bodies), count), np.float32)
+        for row, body in enumerate(bodies):
+            stages = self.stages(depth, labels, camera, int(body))
+            if stages is not None:
+                positions[row] = stages.joints if self.graph else stages.alone
+                confidence[row] = _confidence(
+                    stages.joint_votes, positions[row], self._structure.joint_bandwidth
+                )
+        return Skeletons(bodies, self.model.joints, positions, confidence)
+
+    def stages(
+        self,
+        depth: NDArray[np.float32],
+        labels: NDArray[np.int32],
+        camera: Intrinsics,
+        body: int,
+    ) -> Stages | None:
+        """Return all that is computed on the way for one body, or None where too little is seen.
+
+        Arguments as `estimate`; `body` is the body's number.
+        """
+        shape = find_shape(depth, labels, body, (camera, self.model.settings))
+        if shape is None:
+            return None
+        return self._vote(shape)
+
+    def _vote(self, shape: Shape) -> Stages:
+        model, settings = self.model, self.model.settings
+        points = shape.silhouette.points
+        leaves = find_leaves(model.forest, quantise(shape.histograms))
+        joint_poll = Poll(len(model.joints), settings.heaviest_votes, shape.scale)
+        joint_votes = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)
+        pair_poll = Poll(len(model.edges), settings.heaviest_votes, shape.scale)
+        pair_votes = cast_votes(model.forest.pair_votes, leaves, np.zeros_like(points), pair_poll)
+        candidates = _find_candidates(joint_votes, settings.joint_bandwidth, settings.candidates)
+        alone = _places(candidates, np.minimum(candidates.counts, 1) - 1)
+        chosen, joints = alone, alone
+        if self.graph:
+            which = best_candidates(self._structure, joint_votes, pair_votes, candidates)
+            chosen = _places(candidates, which)
+            joints = ascend(self._structure, joint_votes, pair_votes, chosen)
+        return Stages(shape, joint_votes, pair_votes, candidates, alone, chosen, joints)
+
+
+def bodies_in(labels: NDArray[np.int32]) -> NDArray[np.uint16]:
+    """Return the numbers of the bodies in a mask, sorted, shape (B,)."""
+    foreground = labels[labels >= 0]
+    return np.flatnonzero(np.bincount(foreground)).astype(np.uint16)
+
+
+@kernel
+def _find_candidates(votes: CastVotes, bandwidth: float, wanted: int) -> Candidates:
+    joints = votes.start.shape[0] - 1
+    places = np.full((joints, wanted, 3), np.nan, np.float32)
+    counts = np.zeros(joints, np.int64)
+    for joint in range(joints):
+        start, end = votes.start[joint], votes.start[joint + 1]
+        modes = find_modes(votes.place[start:end], votes.weight[start:end], bandwidth, wanted)
+        counts[joint] = modes.shape[0]
+        places[joint, : modes.shape[0]] = modes
+    return Candidates(places, counts)
+
+
+def _places(candidates: Candidates, which: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Return the chosen candidate of each joint, NaN where `which` is -1, shape (J, 3)."""
+    places = candidates.places[np.arange(len(which)), np.maximum(which, 0)]
+    return np.where(which[:, None] >= 0, places, np.float32(np.nan))
+
+
+@kernel
+def _confidence(
+    votes: CastVotes, places: NDArray[np.float32], bandwidth: float
+) -> NDArray[np.float32]:
+    """Return which share of the votes' weight supports each place, 0 to 1, shape (J,)."""
+    shares = np.zeros(places.shape[0], np.float32)
+    for joint in range(places.shape[0]):
+        start, end = votes.start[joint], votes.start[joint + 1]
+        if start == end or np.isnan(places[joint, 0]):
+            continue
+        weights = votes.weight[start:end]
+        shares[joint] = density(
+            places[joint], votes.place[start:end], weights, bandwidth
+        ) / np.sum(weights)
+    return shares

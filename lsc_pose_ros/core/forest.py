@@ -1,0 +1,63 @@
+"""A regression forest as flat parallel arrays, and the way of a descriptor down its trees."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.jit import kernel
+
+
+class Votes(NamedTuple):
+    """The relative votes of all leaves, leaf after leaf (eq. 11, 12).
+
+    Attributes:
+        start: the votes of leaf l are start[l] to start[l + 1], shape (L + 1,).
+        target: which joint, or which edge, a vote is for, shape (V,).
+        offset: in units of rho_bar, shape (V, 3).
+        weight: the size of the cluster that the vote stands for, shape (V,).
+    """
+
+    start: NDArray[np.int32]
+    target: NDArray[np.uint8]
+    offset: NDArray[np.float32]
+    weight: NDArray[np.float32]
+
+
+class Forest(NamedTuple):
+    """T trees in one set of node arrays; a node is a split or a leaf.
+
+    Attributes:
+        roots: the node at which each tree begins, shape (T,).
+        feature: which bin of the descriptor a split compares, -1 in a leaf, shape (nodes,).
+        threshold: a level below it goes left, shape (nodes,) (eq. 7).
+        left: a split's left child (the right one follows it), a leaf's number, shape (nodes,).
+        joint_votes: the leaves' votes for joints, relative to the point.
+        pair_votes: the leaves' votes for edges: the child joint relative to its parent.
+    """
+
+    roots: NDArray[np.int32]
+    feature: NDArray[np.int16]
+    threshold: NDArray[np.uint8]
+    left: NDArray[np.int32]
+    joint_votes: Votes
+    pair_votes: Votes
+
+
+@kernel
+def find_leaves(forest: Forest, levels: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Return the leaf that each descriptor reaches in each tree, shape (N, T).
+
+    Args:
+        forest: the trees.
+        levels: quantised descriptors, shape (N, 360).
+    """
+    leaves = np.empty((levels.shape[0], forest.roots.shape[0]), np.int32)
+    for tree in range(forest.roots.shape[0]):
+        for i in range(levels.shape[0]):
+            node = forest.roots[tree]
+            while forest.feature[node] >= 0:
+                goes_right = levels[i, forest.feature[node]] >= forest.threshold[node]
+                node = forest.left[node] + goes_right
+            leaves[i, tree] = forest.left[node]
+    return leaves

@@ -1,0 +1,29 @@
+"""A trained model: which joints, how they hang together, the forest, and where it comes from."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.forest import Forest
+from lsc_pose_ros.core.settings import Settings
+
+
+class Model(NamedTuple):
+    """All that estimation needs.
+
+    Attributes:
+        joints: the numbers of the joints that it estimates, shape (J,).
+        edges: pairs (parent, child) of indices into `joints`, shape (E, 2).
+        limb_lengths: the mean length of each edge in training, metres, shape (E,) (h_ij).
+        settings: how silhouettes, descriptors and densities are computed.
+        forest: the trees and their votes.
+        provenance: what it was trained on and how, for people to read.
+    """
+
+    joints: NDArray[np.uint16]
+    edges: NDArray[np.int32]
+    limb_lengths: NDArray[np.float32]
+    settings: Settings
+    forest: Forest
+    provenance: dict[str, str]

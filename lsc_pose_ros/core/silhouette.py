@@ -1,0 +1,185 @@
+"""From one body's pixels to N points on its silhouette (paper, section 2.1)."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.camera import Intrinsics, back_project
+from lsc_pose_ros.core.jit import kernel
+from lsc_pose_ros.core.settings import Settings
+
+
+class Window(NamedTuple):
+    """One body, cut out of the image with a border of one pixel.
+
+    Attributes:
+        depth: metres; infinity where there is no body or no depth, NaN outside of the image.
+        row: the image row of the window's first row (-1 where the border lies outside).
+        column: likewise for columns.
+    """
+
+    depth: NDArray[np.float32]
+    row: int
+    column: int
+
+
+class Silhouette(NamedTuple):
+    """The silhouette of one body.
+
+    Attributes:
+        smoothed: the window after eq. 1.
+        rows, columns: all edge pixels E in the image, in scan order, shape (n,) (eq. 2).
+        points: the N of them that are kept, E', in metres, shape (N, 3).
+        chosen: which of E they are, shape (N,).
+    """
+
+    smoothed: Window
+    rows: NDArray[np.int32]
+    columns: NDArray[np.int32]
+    points: NDArray[np.float32]
+    chosen: NDArray[np.int64]
+
+
+def cut_out(depth: NDArray[np.float32], labels: NDArray[np.int32], body: int) -> Window | None:
+    """Return the window around the pixels labelled `body` that have a depth, or None for none.
+
+    Args:
+        depth: metres, 0 where the sensor saw nothing, shape (H, W).
+        labels: body numbers, shape (H, W).
+        body: the number to cut out.
+    """
+    top, bottom, left, right = _bounds(depth, labels, body)
+    if bottom < top:
+        return None
+    return Window(_fill(depth, labels, body, (top, bottom, left, right)), top - 1, left - 1)
+
+
+@kernel
+def _bounds(
+    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int
+) -> tuple[int, int, int, int]:
+    height, width = depth.shape
+    top, bottom, left, right = height, -1, width, -1
+    for row in range(height):
+        for column in range(width):
+            if labels[row, column] == body and depth[row, column] > 0:
+                top = min(top, row)
+                bottom = row
+                left = min(left, column)
+                right = max(right, column)
+    return top, bottom, left, right
+
+
+@kernel
+def _fill(
+    depth: NDArray[np.float32],
+    labels: NDArray[np.int32],
+    body: int,
+    bounds: tuple[int, int, int, int],
+) -> NDArray[np.float32]:
+    top, bottom, left, right = bounds
+    height, width = depth.shape
+    window = np.empty((bottom - top + 3, right - left + 3), np.float32)
+    for i in range(window.shape[0]):
+        row = top - 1 + i
+        for j in range(window.shape[1]):
+            column = left - 1 + j
+            if row < 0 or row >= height or column < 0 or column >= width:
+                window[i, j] = np.nan
+            elif labels[row, column] == body and depth[row, column] > 0:
+                window[i, j] = depth[row, column]
+            else:
+                window[i, j] = np.inf
+    return window
+
+
+@kernel
+def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float32]:
+    """Return the window's depth after the Gaussian filter of eq. 1, shape as before.
+
+    Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
+    exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points.
+
+    Args:
+        window: the body; its border row and column hold no body.
+        camera: the intrinsics of the whole image.
+        sigma: metres; 0 leaves the depth as it is.
+    """
+    depth = window.depth
+    smoothed = depth.copy()
+    if sigma <= 0:
+        return smoothed
+    scale = -0.5 / (sigma * sigma)
+    for i in range(1, depth.shape[0] - 1):
+        for j in range(1, depth.shape[1] - 1):
+            z = depth[i, j]
+            if not math.isfinite(z):
+                continue
+            x = (window.column + j - camera.cx) / camera.fx
+            y = (window.row + i - camera.cy) / camera.fy
+            total, weights = 0.0, 0.0
+            for di in range(-1, 2):
+                for dj in range(-1, 2):
+                    other = depth[i + di, j + dj]
+                    if not math.isfinite(other):
+                        continue
+                    dx = (x + dj / camera.fx) * other - x * z
+                    dy = (y + di / camera.fy) * other - y * z
+                    dz = other - z
+                    weight = math.exp(scale * (dx * dx + dy * dy + dz * dz))
+                    total += weight * other
+                    weights += weight
+            smoothed[i, j] = total / weights
+    return smoothed
+
+
+@kernel
+def find_edges(depth: NDArray[np.float32], threshold: float) -> NDArray[np.int32]:
+    """Return the window's silhouette pixels as (row, column) in scan order, shape (n, 2).
+
+    A pixel belongs to E where the largest depth in its 3 x 3 neighbourhood exceeds its own by more
+    than `threshold` metres (eq. 2). The background is at infinity; what lies outside of the image
+    is unknown (NaN) and makes no edge, so that a body cut by the image has none along the cut.
+    """
+    edges = np.empty((depth.size, 2), np.int32)
+    count = 0
+    for i in range(1, depth.shape[0] - 1):
+        for j in range(1, depth.shape[1] - 1):
+            limit = depth[i, j] + threshold
+            if not math.isfinite(limit):
+                continue
+            if _any_deeper(depth, i, j, limit):
+                edges[count, 0] = i
+                edges[count, 1] = j
+                count += 1
+    return edges[:count].copy()
+
+
+@kernel
+def _any_deeper(depth: NDArray[np.float32], i: int, j: int, limit: float) -> bool:
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            if depth[i + di, j + dj] > limit:
+                return True
+    return False
+
+
+def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
+    """Return the indices of at most `wanted` of `available` things, evenly spread."""
+    count = min(available, wanted)
+    return (np.arange(count) * available + available // 2) // max(count, 1)
+
+
+def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+    """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points."""
+    smoothed = Window(smooth(window, camera, settings.smoothing_sigma), window.row, window.column)
+    edges = find_edges(smoothed.depth, settings.edge_threshold)
+    rows = edges[:, 0] + np.int32(window.row)
+    columns = edges[:, 1] + np.int32(window.column)
+    chosen = choose_uniformly(len(edges), settings.points)
+    kept = edges[chosen]
+    depth = smoothed.depth[kept[:, 0], kept[:, 1]]
+    points = back_project(columns[chosen], rows[chosen], depth, camera)
+    return Silhouette(smoothed, rows, columns, points, chosen)

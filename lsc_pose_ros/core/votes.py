@@ -1,0 +1,124 @@
+"""The votes that a body's silhouette points cast through the forest (eq. 13)."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.forest import Votes
+from lsc_pose_ros.core.jit import kernel
+
+
+class CastVotes(NamedTuple):
+    """The heaviest votes for each target, in metres.
+
+    Attributes:
+        start: the votes for target t are start[t] to start[t + 1], shape (targets + 1,).
+        place: an absolute place, or for a pair the child's place relative to its parent, (V, 3).
+        weight: shape (V,).
+    """
+
+    start: NDArray[np.int64]
+    place: NDArray[np.float32]
+    weight: NDArray[np.float32]
+
+
+class Poll(NamedTuple):
+    """How votes are gathered.
+
+    Attributes:
+        targets: how many joints, or edges, are voted for.
+        heaviest: M, how many votes for each are kept.
+        scale: rho_bar, metres; the leaves' offsets are multiples of it.
+    """
+
+    targets: int
+    heaviest: int
+    scale: float
+
+
+@kernel
+def cast_votes(
+    votes: Votes, leaves: NDArray[np.int32], origins: NDArray[np.float32], poll: Poll
+) -> CastVotes:
+    """Return the `poll.heaviest` heaviest votes for each target (eq. 13, sets S and S').
+
+    Args:
+        votes: the forest's votes for joints or for pairs.
+        leaves: the leaf of each point in each tree, shape (N, T).
+        origins: what the offsets are added to: the points in metres, or zeros for pairs, (N, 3).
+        poll: how many targets and votes, and the scale.
+    """
+    counts = _count(votes, leaves, poll.targets)
+    bounds = np.zeros(poll.targets + 1, np.int64)
+    bounds[1:] = np.cumsum(counts)
+    vote = np.empty(bounds[-1], np.int32)
+    origin = np.empty(bounds[-1], np.int32)
+    _collect(votes, leaves, bounds[:-1].copy(), (vote, origin))
+    start = np.zeros(poll.targets + 1, np.int64)
+    start[1:] = np.cumsum(np.minimum(counts, poll.heaviest))
+    place = np.empty((start[-1], 3), np.float32)
+    weight = np.empty(start[-1], np.float32)
+    for target in range(poll.targets):
+        mine = vote[bounds[target] : bounds[target + 1]]
+        kept = _heaviest(votes.weight[mine], poll.heaviest)
+        for n in range(len(kept)):
+            entry = mine[kept[n]]
+            point = origin[bounds[target] + kept[n]]
+            row = start[target] + n
+            weight[row] = votes.weight[entry]
+            for axis in range(3):
+                place[row, axis] = origins[point, axis] + poll.scale * votes.offset[entry, axis]
+    return CastVotes(start, place, weight)
+
+
+@kernel
+def _count(votes: Votes, leaves: NDArray[np.int32], targets: int) -> NDArray[np.int64]:
+    counts = np.zeros(targets, np.int64)
+    for point in range(leaves.shape[0]):
+        for tree in range(leaves.shape[1]):
+            leaf = leaves[point, tree]
+            for entry in range(votes.start[leaf], votes.start[leaf + 1]):
+                counts[votes.target[entry]] += 1
+    return counts
+
+
+@kernel
+def _collect(
+    votes: Votes,
+    leaves: NDArray[np.int32],
+    following: NDArray[np.int64],
+    into: tuple[NDArray[np.int32], NDArray[np.int32]],
+) -> None:
+    vote, origin = into
+    for point in range(leaves.shape[0]):
+        for tree in range(leaves.shape[1]):
+            leaf = leaves[point, tree]
+            for entry in range(votes.start[leaf], votes.start[leaf + 1]):
+                target = votes.target[entry]
+                vote[following[target]] = entry
+                origin[following[target]] = point
+                following[target] += 1
+
+
+@kernel
+def _heaviest(weights: NDArray[np.float32], wanted: int) -> NDArray[np.int64]:
+    """Return the indices of the `wanted` largest weights; among equal ones the first come."""
+    count = weights.shape[0]
+    if count <= wanted:
+        return np.arange(count)
+    limit = np.partition(weights, count - wanted)[count - wanted]
+    kept = np.empty(wanted, np.int64)
+    free = wanted
+    for i in range(count):
+        free -= weights[i] > limit
+    found = 0
+    for i in range(count):
+        if weights[i] > limit:
+            kept[found] = i
+            found += 1
+        elif weights[i] == limit and free > 0:
+            kept[found] = i
+            found += 1
+            free -= 1
+    return kept

@@ -1,0 +1,152 @@
+"""Trains a model from labelled frames (paper, section 3.2)."""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.forest import Forest, Votes
+from lsc_pose_ros.core.frame import Frame
+from lsc_pose_ros.core.joints import default_edges, names_of
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.criterion import contributions
+from lsc_pose_ros.learning.growth import GrowthSettings, Tree, grow_tree
+from lsc_pose_ros.learning.leaves import LeafSettings, fit_joint_votes, fit_pair_votes
+from lsc_pose_ros.learning.samples import Samples, gather_samples, people_in
+
+
+class TrainingSettings(NamedTuple):
+    """All that decides what is trained.
+
+    Attributes:
+        joints: the numbers of the joints to learn, shape (J,).
+        settings: of silhouettes, descriptors and densities.
+        trees: how many trees.
+        growth: of each tree.
+        leaves: of the votes.
+        seed: of all that is drawn.
+    """
+
+    joints: NDArray[np.uint16]
+    settings: Settings = Settings()
+    trees: int = 3
+    growth: GrowthSettings = GrowthSettings()
+    leaves: LeafSettings = LeafSettings()
+    seed: int = 0
+
+
+Progress = Callable[[str], None]
+
+
+def train(
+    frames: Iterable[Frame],
+    training: TrainingSettings,
+    provenance: dict[str, str],
+    tell: Progress = lambda _step: None,
+) -> Model:
+    """Return a model trained on every labelled person in `frames`.
+
+    Args:
+        frames: with truth; those without are passed over.
+        training: what to train.
+        provenance: kept in the model, for people to read.
+        tell: is told each step as it begins.
+
+    Raises:
+        InputError: nobody labelled is seen, or a joint is labelled nowhere.
+    """
+    tell('reading frames')
+    samples = gather_samples(
+        person
+        for frame in frames
+        for person in people_in(frame, training.joints, training.settings)
+    )
+    return train_on(samples, training, provenance, tell)
+
+
+def train_on(
+    samples: Samples,
+    training: TrainingSettings,
+    provenance: dict[str, str],
+    tell: Progress = lambda _step: None,
+) -> Model:
+    """Return a model trained on `samples`; the other arguments as `train`."""
+    _check_labels(samples, training)
+    edges = default_edges(training.joints)
+    weights = contributions(samples.points, samples.person, samples.joints)
+    trees: list[Tree] = []
+    joint_votes: list[Votes] = []
+    pair_votes: list[Votes] = []
+    for number in range(training.trees):
+        tell(f'growing tree {number + 1} of {training.trees}')
+        rng = np.random.default_rng((training.seed, number))
+        tree = grow_tree(samples.levels, weights, training.growth, rng)
+        tell(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
+        trees.append(tree)
+        joint_votes.append(fit_joint_votes(samples, tree, training.leaves))
+        pair_votes.append(fit_pair_votes(samples, tree, edges, training.leaves))
+    return Model(
+        training.joints,
+        edges,
+        limb_lengths(samples, edges),
+        training.settings,
+        join_trees(trees, joint_votes, pair_votes),
+        provenance | {'people': str(len(samples.scale)), 'points': str(len(samples.points))},
+    )
+
+
+def _check_labels(samples: Samples, training: TrainingSettings) -> None:
+    labelled = ~np.isnan(samples.joints[..., 0])
+    missing = training.joints[~labelled.any(axis=0)]
+    if len(missing):
+        msg = (
+            f'no frame labels {", ".join(names_of(missing))}; leave these joints out with --joints'
+        )
+        raise InputError(msg)
+
+
+def limb_lengths(samples: Samples, edges: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Return the mean length of each edge over the people, metres, shape (E,): h_ij of eq. 15.
+
+    An edge that is nowhere labelled at both ends takes the mean of the others.
+    """
+    places = samples.joints * samples.scale[:, None, None]
+    limbs = np.linalg.norm(places[:, edges[:, 1]] - places[:, edges[:, 0]], axis=-1)
+    counts = (~np.isnan(limbs)).sum(axis=0)
+    lengths: NDArray[np.float32] = np.nansum(limbs, axis=0, dtype=np.float32)
+    lengths /= np.maximum(counts, 1).astype(np.float32)
+    lengths[counts == 0] = lengths[counts > 0].mean() if (counts > 0).any() else 0.3
+    return lengths
+
+
+def join_trees(trees: list[Tree], joint_votes: list[Votes], pair_votes: list[Votes]) -> Forest:
+    """Return the trees and their leaves' votes as one forest, renumbered one after the other."""
+    nodes = np.cumsum([0, *(len(tree.feature) for tree in trees)])
+    leaves = np.cumsum([0, *(len(tree.leaf_start) - 1 for tree in trees)])
+    left = [
+        np.where(tree.feature >= 0, tree.left + nodes[t], tree.left + leaves[t])
+        for t, tree in enumerate(trees)
+    ]
+    return Forest(
+        nodes[:-1].astype(np.int32),
+        np.concatenate([tree.feature for tree in trees]),
+        np.concatenate([tree.threshold for tree in trees]),
+        np.concatenate(left).astype(np.int32),
+        join_votes(joint_votes),
+        join_votes(pair_votes),
+    )
+
+
+def join_votes(parts: list[Votes]) -> Votes:
+    """Return the votes of several trees' leaves as those of one list of leaves."""
+    offsets = np.cumsum([0, *(len(votes.target) for votes in parts)])
+    starts = [votes.start[:-1] + offsets[t] for t, votes in enumerate(parts)]
+    return Votes(
+        np.concatenate([*starts, offsets[-1:]]).astype(np.int32),
+        np.concatenate([votes.target for votes in parts]),
+        np.concatenate([votes.offset for votes in parts]),
+        np.concatenate([votes.weight for votes in parts]),
+    )
