@@ -23,7 +23,7 @@ def mean_distance(points: NDArray[np.float32]) -> float:
 
     Fewer than two points have none: 0.
     """
-    count = points.shape[0]
+    count = len(points)
     if count < 2:
         return 0.0
     total = 0.0

@@ -97,7 +97,8 @@ def _fit_leaves(
                 continue
             centres, sizes = largest_clusters(spoken, settings)
             offsets[leaf, pair, : len(sizes)] = centres
-            weights[leaf, pair, : len(sizes)] = sizes
+            # A share, not a count: a leaf that sorted its samples badly is large, not right.
+            weights[leaf, pair, : len(sizes)] = sizes / np.float32(members.shape[0])
     return offsets, weights
 
 

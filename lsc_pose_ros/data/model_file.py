@@ -1,0 +1,199 @@
+"""Model files: numpy arrays and a page of JSON in a zip archive, nothing that can run.
+
+The file is what `numpy.savez_compressed` writes, read with `allow_pickle=False`.
+"""
+
+import json
+import os
+import zipfile
+import zlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.forest import Forest, Votes
+from lsc_pose_ros.core.joints import names_of
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.data.model_check import (
+    UnusableModelError,
+    check_model,
+    read_provenance,
+    read_settings,
+)
+from lsc_pose_ros.errors import InputError
+
+FORMAT = 'lsc_pose model'
+VERSION = 1
+
+# A model of hundreds of megabytes is no model of ours, but a zip bomb.
+LARGEST_ARRAY = 1 << 30
+
+# What each array is: its type in memory and how many dimensions it has.
+_ARRAYS: dict[str, tuple[type[np.generic], int]] = {
+    'joints': (np.uint16, 1),
+    'edges': (np.int32, 2),
+    'limb_lengths': (np.float32, 1),
+    'roots': (np.int32, 1),
+    'feature': (np.int16, 1),
+    'threshold': (np.uint8, 1),
+    'left': (np.int32, 1),
+    'joint_start': (np.int32, 1),
+    'joint_target': (np.uint8, 1),
+    'joint_offset': (np.float32, 2),
+    'joint_weight': (np.float32, 1),
+    'pair_start': (np.int32, 1),
+    'pair_target': (np.uint8, 1),
+    'pair_offset': (np.float32, 2),
+    'pair_weight': (np.float32, 1),
+}
+# Half precision is 0.5 mm at an arm's length: enough, and half the file.
+_HALVED = {'joint_offset', 'joint_weight', 'pair_offset', 'pair_weight'}
+
+
+def save_model(path: str | os.PathLike[str], model: Model) -> None:
+    """Write `model` to `path`, beside it first and then renamed.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    target = Path(path)
+    beside = target.with_name(f'.{target.name}.{os.getpid()}.part')
+    header = {
+        'format': FORMAT,
+        'version': VERSION,
+        'settings': model.settings._asdict(),
+        'provenance': model.provenance,
+    }
+    arrays: dict[str, Any] = {
+        name: array.astype(np.float16) if name in _HALVED else array
+        for name, array in _arrays_of(model).items()
+    }
+    try:
+        with beside.open('wb') as file:
+            np.savez_compressed(file, allow_pickle=False, header=_to_bytes(header), **arrays)
+        beside.replace(target)
+    except OSError as error:
+        msg = f'cannot write the model {target}: {error.strerror or error}'
+        raise InputError(msg) from error
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def load_model(path: str | os.PathLike[str]) -> Model:
+    """Return the model in the file `path`.
+
+    Raises:
+        InputError: there is no such file, it is no model, it is of a newer version, or its parts
+            do not fit together.
+    """
+    source = Path(path)
+    try:
+        _check_sizes(source)
+        with np.load(source, allow_pickle=False) as archive:
+            header = _read_header(source, archive)
+            arrays = {name: _read_array(source, archive, name) for name in _ARRAYS}
+    except FileNotFoundError as error:
+        msg = f'there is no model file {source}; make one with `lsc_pose train`'
+        raise InputError(msg) from error
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        raise _wrong(source, str(error) or type(error).__name__) from error
+    return _assemble(source, header, arrays)
+
+
+def describe_model(model: Model) -> dict[str, str]:
+    """Return what there is to say of a model, in order, for people to read."""
+    forest = model.forest
+    leaves = len(forest.joint_votes.start) - 1
+    return {
+        'joints': ', '.join(names_of(model.joints)),
+        'trees': str(len(forest.roots)),
+        'nodes': str(len(forest.feature)),
+        'leaves': str(leaves),
+        'joint votes': str(len(forest.joint_votes.target)),
+        'pair votes': str(len(forest.pair_votes.target)),
+        **{
+            name.replace('_', ' '): f'{value:g}'
+            for name, value in model.settings._asdict().items()
+        },
+        **model.provenance,
+    }
+
+
+def _arrays_of(model: Model) -> dict[str, NDArray[np.generic]]:
+    forest = model.forest
+    return {
+        'joints': model.joints,
+        'edges': model.edges,
+        'limb_lengths': model.limb_lengths,
+        'roots': forest.roots,
+        'feature': forest.feature,
+        'threshold': forest.threshold,
+        'left': forest.left,
+        **{f'joint_{name}': array for name, array in forest.joint_votes._asdict().items()},
+        **{f'pair_{name}': array for name, array in forest.pair_votes._asdict().items()},
+    }
+
+
+def _to_bytes(header: dict[str, Any]) -> NDArray[np.uint8]:
+    return np.frombuffer(json.dumps(header, indent=1).encode(), np.uint8)
+
+
+def _wrong(path: Path, why: str) -> InputError:
+    return InputError(f'{path} is not a usable model file ({why}); make one with `lsc_pose train`')
+
+
+def _check_sizes(path: Path) -> None:
+    with zipfile.ZipFile(path) as archive:
+        for entry in archive.infolist():
+            if entry.file_size > LARGEST_ARRAY:
+                raise _wrong(path, f'its part {entry.filename} is {entry.file_size} bytes large')
+
+
+def _read_header(path: Path, archive: Any) -> dict[str, Any]:  # noqa: ANN401
+    if 'header' not in archive:
+        raise _wrong(path, 'it has no header')
+    header = json.loads(archive['header'].astype(np.uint8).tobytes())
+    if not isinstance(header, dict) or header.get('format') != FORMAT:
+        raise _wrong(path, 'its header is of another kind')
+    if header.get('version') != VERSION:
+        msg = (
+            f'{path} is a model of version {header.get("version")}, but this program reads '
+            f'version {VERSION}; train it anew or use the program that wrote it'
+        )
+        raise InputError(msg)
+    return header
+
+
+def _read_array(path: Path, archive: np.lib.npyio.NpzFile, name: str) -> NDArray[np.generic]:
+    kind, dimensions = _ARRAYS[name]
+    array = archive[name]
+    wanted = np.dtype(np.float16 if name in _HALVED else kind)
+    if array.dtype != wanted or array.ndim != dimensions:
+        raise _wrong(path, f'its part {name} is {array.dtype} of {array.ndim} dimensions')
+    return np.ascontiguousarray(array, kind)
+
+
+def _assemble(path: Path, header: dict[str, Any], arrays: dict[str, Any]) -> Model:
+    votes = {
+        kind: Votes(*(arrays[f'{kind}_{name}'] for name in Votes._fields))
+        for kind in ('joint', 'pair')
+    }
+    parts = {name: arrays[name] for name in ('roots', 'feature', 'threshold', 'left')}
+    forest = Forest(**parts, joint_votes=votes['joint'], pair_votes=votes['pair'])
+    try:
+        settings = read_settings(header.get('settings'))
+        provenance = read_provenance(header.get('provenance'))
+        model = Model(
+            arrays['joints'],
+            arrays['edges'],
+            arrays['limb_lengths'],
+            settings,
+            forest,
+            provenance,
+        )
+        check_model(model)
+    except UnusableModelError as error:
+        raise _wrong(path, str(error)) from error
+    return model

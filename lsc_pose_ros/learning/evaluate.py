@@ -1,0 +1,133 @@
+"""How good a model is: the errors of its joints against labelled frames (paper, section 4.4)."""
+
+import time
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.frame import Frame
+from lsc_pose_ros.core.joints import names_of
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.samples import select_joints
+
+
+class Evaluation(NamedTuple):
+    """The errors of P labelled people in F frames.
+
+    Attributes:
+        joints: the joints' numbers, shape (J,).
+        errors: the distance between estimate and truth, metres, shape (P, J); NaN where there is
+            no truth, infinity where there is no estimate.
+        frames: in which of the frames, counted from 0, each person is, shape (P,).
+        bodies: the number of each person in the mask, shape (P,).
+        seconds: how long each frame took, shape (F,).
+    """
+
+    joints: NDArray[np.uint16]
+    errors: NDArray[np.float32]
+    frames: NDArray[np.int64]
+    bodies: NDArray[np.uint16]
+    seconds: NDArray[np.float64]
+
+
+class JointScore(NamedTuple):
+    """One joint's score.
+
+    Attributes:
+        mean_error_m: over the people for whom it was estimated, NaN where there is none.
+        ap: the share of people in which it lies within the tolerance; a joint that was not
+            estimated does not.
+        n: how many people have it labelled.
+    """
+
+    mean_error_m: float
+    ap: float
+    n: int
+
+
+class Summary(NamedTuple):
+    """The scores over all joints that are labelled.
+
+    Attributes:
+        mean_error_m: the mean of the joints' mean errors.
+        map: the mean of the joints' shares within the tolerance.
+        joints: each joint's score by name.
+    """
+
+    mean_error_m: float
+    map: float
+    joints: dict[str, JointScore]
+
+
+def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
+    """Return the errors of `estimator` on every labelled person of `frames`.
+
+    A person is known by the number in the mask.
+
+    Raises:
+        InputError: no frame is labelled.
+    """
+    errors: list[NDArray[np.float32]] = []
+    places: list[NDArray[np.int64]] = []
+    bodies: list[NDArray[np.uint16]] = []
+    seconds: list[float] = []
+    for number, frame in enumerate(frames):
+        begin = time.perf_counter()
+        skeletons = estimator.estimate(frame.depth, frame.labels, frame.camera)
+        seconds.append(time.perf_counter() - begin)
+        if frame.truth is not None and len(frame.truth.bodies):
+            errors.append(joint_errors(skeletons, frame.truth))
+            bodies.append(frame.truth.bodies)
+            places.append(np.full(len(frame.truth.bodies), number))
+    if not errors:
+        msg = 'no frame has a labelled person; evaluation needs a recording with ground truth'
+        raise InputError(msg)
+    return Evaluation(
+        estimator.joints,
+        np.concatenate(errors),
+        np.concatenate(places),
+        np.concatenate(bodies),
+        np.array(seconds),
+    )
+
+
+def joint_errors(estimate: Skeletons, truth: Skeletons) -> NDArray[np.float32]:
+    """Return the distances in metres between `estimate` and each body of `truth`, shape (B, J).
+
+    J are the joints of `estimate`. NaN where there is no truth, infinity where no estimate.
+    """
+    wanted = select_joints(truth, estimate.joints)
+    found = np.full_like(wanted, np.nan)
+    rows = {int(number): row for row, number in enumerate(estimate.bodies)}
+    for b, number in enumerate(truth.bodies):
+        if int(number) in rows:
+            found[b] = estimate.positions[rows[int(number)]]
+    distance: NDArray[np.float32] = np.linalg.norm(found - wanted, axis=-1).astype(np.float32)
+    distance[np.isnan(distance) & ~np.isnan(wanted[..., 0])] = np.inf
+    return distance
+
+
+def summarise(evaluation: Evaluation, tolerance: float) -> Summary:
+    """Return the scores; `tolerance` in metres (the paper's tau: 0.1)."""
+    joints: dict[str, JointScore] = {}
+    for name, errors in zip(names_of(evaluation.joints), evaluation.errors.T, strict=True):
+        labelled = errors[~np.isnan(errors)]
+        answered = labelled[np.isfinite(labelled)]
+        if len(labelled):
+            joints[name] = JointScore(
+                float(answered.mean()) if len(answered) else float('nan'),
+                float((labelled <= tolerance).mean()),
+                len(labelled),
+            )
+    if not joints:
+        msg = 'the recordings label none of the joints that the model estimates'
+        raise InputError(msg)
+    return Summary(
+        float(np.nanmean([score.mean_error_m for score in joints.values()])),
+        float(np.mean([score.ap for score in joints.values()])),
+        joints,
+    )
