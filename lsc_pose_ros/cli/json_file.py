@@ -1,0 +1,36 @@
+"""The results that commands write for other programs."""
+
+import json
+import math
+import os
+from pathlib import Path
+
+from lsc_pose_ros.errors import InputError
+
+
+def write_json(path: Path, results: dict[str, object]) -> None:
+    """Write `results` to `path`, beside it first and then renamed; NaN and infinity become null.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    beside = path.with_name(f'.{path.name}.{os.getpid()}.part')
+    try:
+        beside.write_text(json.dumps(_plain(results), indent=2) + '\n', encoding='utf-8')
+        beside.replace(path)
+    except OSError as error:
+        msg = f'cannot write {path}: {error.strerror or error}'
+        raise InputError(msg) from error
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def _plain(value: object) -> object:
+    """Return `value` without what JSON (RFC 8259) has no word for."""
+    if isinstance(value, dict):
+        return {str(name): _plain(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,36 @@
+"""Numbers that stand on the command line, refused with a reason where they make no sense."""
+
+import argparse
+import math
+
+
+def positive_int(word: str) -> int:
+    """Return the whole number above 0 that `word` stands for.
+
+    Raises:
+        ArgumentTypeError: it is none.
+    """
+    try:
+        value = int(word)
+    except ValueError:
+        value = 0
+    if value < 1:
+        msg = f'{word!r} is not a whole number above 0'
+        raise argparse.ArgumentTypeError(msg)
+    return value
+
+
+def positive_float(word: str) -> float:
+    """Return the finite number above 0 that `word` stands for.
+
+    Raises:
+        ArgumentTypeError: it is none.
+    """
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value > 0):
+        msg = f'{word!r} is not a number above 0'
+        raise argparse.ArgumentTypeError(msg)
+    return value
