@@ -1,0 +1,135 @@
+import itertools
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
+from lsc_pose_ros.core.votes import CastVotes
+
+# Two trees, as the paper has them: 0 - (1, 2 - 3) and 4 - 5.
+EDGES = np.array([[0, 1], [0, 2], [2, 3], [4, 5]], np.int32)
+JOINTS = 6
+FLOOR = 1e-12
+
+
+def cast(rng: np.random.Generator, targets: int, empty: int | None = None) -> CastVotes:
+    counts = rng.integers(5, 40, targets)
+    if empty is not None:
+        counts[empty] = 0
+    start = np.concatenate([[0], np.cumsum(counts)])
+    centres = np.repeat(rng.normal(0, 0.3, (targets, 3)), counts, axis=0)
+    return CastVotes(
+        start,
+        (centres + rng.normal(0, 0.08, centres.shape)).astype(np.float32),
+        rng.random(int(start[-1])).astype(np.float32),
+    )
+
+
+def problem(
+    seed: int, *, empty_joint: int | None = None, empty_edge: int | None = None
+) -> tuple[Structure, CastVotes, CastVotes, Candidates]:
+    rng = np.random.default_rng(seed)
+    joints, pairs = cast(rng, JOINTS, empty_joint), cast(rng, len(EDGES), empty_edge)
+    structure = Structure(EDGES, rng.uniform(0.1, 0.5, len(EDGES)).astype(np.float32), 0.07, 1.5)
+    places = rng.normal(0, 0.3, (JOINTS, 2, 3)).astype(np.float32)
+    counts = rng.integers(1, 3, JOINTS)
+    for joint in range(JOINTS):
+        mine = joints.place[joints.start[joint] : joints.start[joint + 1]]
+        if len(mine):
+            places[joint] = mine[rng.integers(0, len(mine), 2)]
+        else:
+            counts[joint] = 0
+    return structure, joints, pairs, Candidates(places, counts)
+
+
+def log_sum(place: np.ndarray, votes: CastVotes, target: int, h: float) -> float:
+    mine = slice(votes.start[target], votes.start[target + 1])
+    if not len(votes.weight[mine]):
+        return 0.0
+    squared = ((votes.place[mine].astype(float) - place) ** 2).sum(axis=1)
+    return float(np.log(max((votes.weight[mine] * np.exp(-squared / h**2)).sum(), FLOOR)))
+
+
+def log_g(
+    structure: Structure, joints: CastVotes, pairs: CastVotes, places: dict[int, np.ndarray]
+) -> float:
+    """The logarithm of equation 17 over the joints in `places`."""
+    total = sum(log_sum(x, joints, j, structure.joint_bandwidth) for j, x in places.items())
+    for edge, (i, j) in enumerate(structure.edges.tolist()):
+        if i in places and j in places:
+            h = float(structure.limb_lengths[edge])
+            total += structure.pair_weight * log_sum(places[j] - places[i], pairs, edge, h)
+    return float(total)
+
+
+@pytest.mark.parametrize('seed', range(20))
+@pytest.mark.parametrize('empty', [(None, None), (2, None), (None, 1), (5, 0)])
+def test_the_choice_is_the_best_of_all_combinations(
+    seed: int, empty: tuple[int | None, int | None]
+) -> None:
+    structure, joints, pairs, candidates = problem(seed, empty_joint=empty[0], empty_edge=empty[1])
+    chosen = best_candidates(structure, joints, pairs, candidates)
+
+    def score(which: tuple[int, ...]) -> float:
+        places = {
+            joint: candidates.places[joint, k].astype(float)
+            for joint, k in enumerate(which)
+            if k >= 0
+        }
+        return log_g(structure, joints, pairs, places)
+
+    options = [range(count) if count else [-1] for count in candidates.counts]
+    best = max(score(which) for which in itertools.product(*options))
+    assert [k < 0 for k in chosen] == [count == 0 for count in candidates.counts]
+    assert score(tuple(chosen)) == pytest.approx(best, abs=1e-4)
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_ascent_never_descends_and_ends_where_the_gradient_vanishes(seed: int) -> None:
+    structure, joints, pairs, candidates = problem(seed)
+    start = candidates.places[:, 0]
+
+    def value(places: np.ndarray) -> float:
+        return log_g(structure, joints, pairs, dict(enumerate(places.astype(float))))
+
+    end = ascend(structure, joints, pairs, start)
+    assert value(end) >= value(start) - 1e-6
+    assert value(ascend(structure, joints, pairs, end)) >= value(end) - 1e-4
+    for _ in range(20):
+        end = ascend(structure, joints, pairs, end)
+    step = 1e-4
+    for joint, axis in itertools.product(range(JOINTS), range(3)):
+        above, below = end.astype(float).copy(), end.astype(float).copy()
+        above[joint, axis] += step
+        below[joint, axis] -= step
+        slope = (
+            log_g(structure, joints, pairs, dict(enumerate(above)))
+            - log_g(structure, joints, pairs, dict(enumerate(below)))
+        ) / (2 * step)
+        # In metres: a slope of 4 under a curvature of 2 / 0.07^2 is 10 mm / 10.
+        assert abs(slope) < 4
+
+
+def test_ascent_leaves_out_joints_that_are_unknown() -> None:
+    structure, joints, pairs, candidates = problem(3, empty_joint=2)
+    start = candidates.places[:, 0].copy()
+    start[2] = np.nan
+    end = ascend(structure, joints, pairs, start)
+    assert np.isnan(end[2]).all()
+    assert np.isfinite(np.delete(end, 2, axis=0)).all()
+
+
+def test_the_pair_density_decides_between_equal_candidates() -> None:
+    """A child has two equally likely places; only one is a limb's length from its parent."""
+    joints = CastVotes(
+        np.array([0, 1, 3]),
+        np.array([[0, 0, 2], [0.3, 0, 2], [-0.3, 0, 2]], np.float32),
+        np.ones(3, np.float32),
+    )
+    pairs = CastVotes(
+        np.array([0, 1]), np.array([[-0.3, 0, 0]], np.float32), np.ones(1, np.float32)
+    )
+    structure = Structure(np.array([[0, 1]], np.int32), np.array([0.3], np.float32), 0.07, 1.0)
+    places = np.array([[[0, 0, 2], [0, 0, 0]], [[0.3, 0, 2], [-0.3, 0, 2]]], np.float32)
+    chosen = best_candidates(structure, joints, pairs, Candidates(places, np.array([1, 2])))
+    assert chosen.tolist() == [0, 1]

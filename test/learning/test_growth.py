@@ -1,0 +1,164 @@
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.learning.criterion import contributions, entropy_times_count
+from lsc_pose_ros.learning.growth import (
+    GrowthSettings,
+    best_split,
+    grow_tree,
+    partition,
+    try_feature,
+)
+
+
+def contributions_twin(points, person, joints):
+    """Equation 10, sample by sample."""
+    result = np.zeros((len(points), joints.shape[1]))
+    for s, point in enumerate(points.astype(float)):
+        for j, joint in enumerate(joints[person[s]]):
+            distance = np.linalg.norm(joint - point)
+            if distance <= 1:
+                result[s, j] = math.exp(-(distance**2))
+        if result[s].sum() > 0:
+            result[s] /= result[s].sum()
+    return result
+
+
+def weighted_entropy(weights):
+    """|S| H(S) of equation 9."""
+    shares = weights.astype(float).sum(axis=0) / max(len(weights), 1)
+    shares = shares[shares > 0]
+    return -len(weights) * float((shares * np.log(shares)).sum())
+
+
+def random_samples(seed, count=300, joints=4, levels=30):
+    rng = np.random.default_rng(seed)
+    weights = rng.random((count, joints)).astype(np.float32)
+    weights /= weights.sum(axis=1, keepdims=True)
+    return rng.integers(0, levels, (360, count)).astype(np.uint8), weights
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_contributions_are_equation_10(seed):
+    rng = np.random.default_rng(seed)
+    points = rng.normal(0, 0.6, (100, 3)).astype(np.float32)
+    joints = rng.normal(0, 0.6, (5, 6, 3)).astype(np.float32)
+    joints[2, 3] = np.nan
+    points[0] = 100  # no joint in reach
+    person = rng.integers(0, 5, 100).astype(np.int32)
+    found = contributions(points, person, joints)
+    np.testing.assert_allclose(found, contributions_twin(points, person, joints), atol=1e-6)
+    assert found[0].sum() == 0
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_entropy_is_equation_9(seed):
+    weights = np.random.default_rng(seed).random((50, 5)).astype(np.float32)
+    weights[:, 2] = 0
+    weights /= weights.sum(axis=1, keepdims=True)
+    found = entropy_times_count(weights.astype(float).sum(axis=0), 50)
+    assert found == pytest.approx(weighted_entropy(weights), rel=1e-5)
+
+
+@pytest.mark.parametrize('seed', range(8))
+@pytest.mark.parametrize('leaf_samples', [1, 20, 149])
+def test_the_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
+    levels, weights = random_samples(seed)
+    rng = np.random.default_rng(seed)
+    members = rng.permutation(300)[:200].astype(np.int32)
+    draws = rng.random(12)
+    cost, threshold = try_feature(levels[5], weights[members], members, draws, leaf_samples)
+    mine = levels[5][members]
+    costs = {}
+    for draw in draws:
+        eta = int(mine.min()) + 1 + int(draw * (int(mine.max()) - int(mine.min())))
+        left, right = weights[members][mine < eta], weights[members][mine >= eta]
+        if min(len(left), len(right)) >= leaf_samples:
+            costs[eta] = weighted_entropy(left) + weighted_entropy(right)
+    if not costs:
+        assert cost == np.inf
+    else:
+        assert cost == pytest.approx(min(costs.values()), rel=1e-5)
+        assert costs[threshold] == pytest.approx(cost, rel=1e-5)
+
+
+def test_a_feature_that_is_the_same_everywhere_splits_nothing():
+    weights = np.full((50, 3), 1 / 3, np.float32)
+    levels = np.full(50, 9, np.uint8)
+    cost, _ = try_feature(levels, weights, np.arange(50, dtype=np.int32), np.array([0.1, 0.9]), 1)
+    assert cost == np.inf
+
+
+@pytest.mark.parametrize('count', [300, 6000])  # one core, and all of them
+def test_best_split_finds_the_feature_that_separates(count):
+    levels, weights = random_samples(0, count)
+    levels[77] = np.where(np.arange(count) % 2, 200, 10)
+    weights[::2] = [1, 0, 0, 0]
+    weights[1::2] = [0, 0, 0, 1]
+    features = np.array([3, 77, 200])
+    draws = np.random.default_rng(0).random((3, 100))
+    members = np.arange(count, dtype=np.int32)
+    split = best_split(levels, weights, members, (features, draws), 20)
+    assert split.feature == 77
+    assert 10 < split.threshold <= 200
+    assert split.cost == pytest.approx(0, abs=1e-9)
+
+
+def test_partition_keeps_orders():
+    levels, _ = random_samples(1)
+    members = np.random.default_rng(1).permutation(300)[:100].astype(np.int32)
+    before = members.copy()
+    below = partition(levels[0], members, 12)
+    low = levels[0][before] < 12
+    assert below == low.sum()
+    np.testing.assert_array_equal(members, [*before[low], *before[~low]])
+
+
+def walk(tree, node=0, depth=0):
+    """Yield each leaf's number with its depth."""
+    if tree.feature[node] < 0:
+        yield int(tree.left[node]), depth
+    else:
+        yield from walk(tree, tree.left[node], depth + 1)
+        yield from walk(tree, tree.left[node] + 1, depth + 1)
+
+
+@pytest.mark.parametrize('settings', [GrowthSettings(depth=4), GrowthSettings(leaf_samples=7)])
+def test_a_tree_sorts_every_sample_into_the_leaf_that_its_splits_lead_to(settings):
+    levels, weights = random_samples(2, 500)
+    tree = grow_tree(levels, weights, settings, np.random.default_rng(0))
+    sizes = np.diff(tree.leaf_start)
+    assert sorted(tree.order.tolist()) == list(range(500))
+    assert len(sizes) > 8
+    assert sizes.min() >= settings.leaf_samples
+    depths = dict(walk(tree))
+    assert sorted(depths) == list(range(len(sizes)))
+    assert max(depths.values()) <= settings.depth
+    for leaf, (start, end) in enumerate(itertools.pairwise(tree.leaf_start)):
+        for sample in tree.order[start:end]:
+            node = 0
+            while tree.feature[node] >= 0:
+                right = levels[tree.feature[node], sample] >= tree.threshold[node]
+                node = tree.left[node] + int(right)
+            assert tree.left[node] == leaf
+
+
+def test_growth_is_repeatable_and_the_seed_matters():
+    levels, weights = random_samples(3, 500)
+    settings = GrowthSettings(leaf_samples=10)
+    first, again, other = (
+        grow_tree(levels, weights, settings, np.random.default_rng(seed)) for seed in (1, 1, 2)
+    )
+    np.testing.assert_array_equal(first.feature, again.feature)
+    np.testing.assert_array_equal(first.threshold, again.threshold)
+    assert first.feature.tolist() != other.feature.tolist()
+
+
+def test_too_few_samples_make_a_single_leaf():
+    levels, weights = random_samples(4, 30)
+    tree = grow_tree(levels, weights, GrowthSettings(), np.random.default_rng(0))
+    assert tree.feature.tolist() == [-1]
+    assert tree.leaf_start.tolist() == [0, 30]
