@@ -1,0 +1,107 @@
+"""What the tests share: the data beside the checkout, and small recordings."""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.core.camera import Intrinsics
+from lsc_pose_ros.core.frame import NO_BODY, Frame
+from lsc_pose_ros.core.joints import numbers_of
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.model_file import save_model
+from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.learning.growth import GrowthSettings
+from lsc_pose_ros.learning.train import TrainingSettings, train
+
+HEIGHT, WIDTH = 48, 64
+CAMERA = Intrinsics(60.0, 61.0, 31.5, 23.5)
+FRAME_TIME = 33_333_333
+START = 1_700_000_000_000_000_000
+
+
+@pytest.fixture(scope='session')
+def shared() -> Path:
+    """The folder of shared data; tests that need it skip where it is not."""
+    default = Path(__file__).resolve().parents[2] / 'shared' / 'data'
+    folder = Path(os.environ.get('LSC_POSE_SHARED', default))
+    if not folder.is_dir():
+        pytest.skip(f'no shared data in {folder}; name the folder in LSC_POSE_SHARED')
+    return folder
+
+
+def simple_frame(number: int) -> Frame:
+    """Two boxes, bodies 1 and 2, that move with `number` before a far wall; three joints each."""
+    depth = np.full((HEIGHT, WIDTH), 4.0, np.float32)
+    labels = np.full((HEIGHT, WIDTH), NO_BODY, np.int32)
+    for body, left in ((1, 8), (2, 36)):
+        columns = slice(left + number % 8, left + number % 8 + 14)
+        depth[10:40, columns] = 2.0 + 0.25 * body + 0.001 * (number % 50)
+        labels[10:40, columns] = body
+    depth[:2] = 0  # what the sensor did not see
+    positions = np.zeros((2, 3, 3), np.float32)
+    positions[..., 0] = np.array([[-0.5], [0.5]]) + 0.01 * (number % 8)
+    positions[..., 1] = np.array([-0.6, -0.4, 0.2])
+    positions[..., 2] = np.array([[2.35], [2.6]])
+    positions[1, 2] = np.nan
+    truth = Skeletons(
+        np.array([1, 2], np.uint16),
+        np.array([0, 1, 3], np.uint16),
+        positions,
+        np.isfinite(positions[..., 0]).astype(np.float32),
+    )
+    return Frame(START + number * FRAME_TIME, 'camera_depth_optical', depth, labels, CAMERA, truth)
+
+
+@pytest.fixture(scope='session')
+def simple_frames() -> list[Frame]:
+    """Ten frames of two boxes each, labelled."""
+    return [simple_frame(number) for number in range(10)]
+
+
+@pytest.fixture(scope='session')
+def labelled_recording(
+    tmp_path_factory: pytest.TempPathFactory, simple_frames: list[Frame]
+) -> Path:
+    """A recording, one .mcap, of `simple_frames`; not to be changed."""
+    path = tmp_path_factory.mktemp('recording') / 'labelled.mcap'
+    with RecordingWriter(path) as writer:
+        for frame in simple_frames:
+            writer.write_frame(frame)
+    return path
+
+
+@pytest.fixture(scope='session')
+def people() -> list[Frame]:
+    """Synthetic people to learn from: eight bodies in 240 small frames."""
+    settings = SyntheticSettings(
+        frames=240, seed=5, width=160, height=120, yaw=20.0, distance=(2.8, 3.4)
+    )
+    return list(synthetic_frames(settings))
+
+
+@pytest.fixture(scope='session')
+def training() -> TrainingSettings:
+    """Small settings that train within seconds and still find the easy joints."""
+    names = ['head', 'neck', 'l_shoulder', 'l_elbow', 'r_shoulder', 'l_hip', 'l_knee', 'r_hip']
+    return TrainingSettings(
+        numbers_of(names), Settings(points=150), trees=2, growth=GrowthSettings(depth=12)
+    )
+
+
+@pytest.fixture(scope='session')
+def small_model(people: list[Frame], training: TrainingSettings) -> Model:
+    """A model trained on `people`."""
+    return train(people, training, {'recordings': 'synthetic'})
+
+
+@pytest.fixture(scope='session')
+def small_model_file(small_model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of `small_model`; not to be changed."""
+    path = tmp_path_factory.mktemp('model') / 'small.npz'
+    save_model(path, small_model)
+    return path

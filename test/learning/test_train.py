@@ -1,0 +1,149 @@
+import numpy as np
+import pytest
+
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.frame import NO_BODY
+from lsc_pose_ros.core.joints import numbers_of
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.evaluate import evaluate, joint_errors, summarise
+from lsc_pose_ros.learning.samples import gather_samples, people_in, select_joints
+from lsc_pose_ros.learning.train import limb_lengths, train
+
+
+@pytest.fixture(scope='module')
+def strangers():
+    """People that the model has not seen."""
+    settings = SyntheticSettings(
+        frames=40, seed=77, width=160, height=120, yaw=20.0, distance=(2.8, 3.4), clip_length=8
+    )
+    return list(synthetic_frames(settings))
+
+
+@pytest.mark.parametrize('graph', [True, False])
+def test_a_small_model_finds_strangers(small_model, strangers, graph):
+    evaluation = evaluate(Estimator(small_model, graph=graph), strangers)
+    summary = summarise(evaluation, 0.1)
+    assert len(evaluation.seconds) == 40
+    assert summary.map > 0.7
+    assert summary.mean_error_m < 0.12
+
+
+def test_training_is_repeatable(people, training):
+    first, again = (train(people[:60], training, {}) for _ in range(2))
+    for one, two in zip(first.forest[:4], again.forest[:4], strict=True):
+        np.testing.assert_array_equal(one, two)
+    np.testing.assert_array_equal(first.forest.joint_votes.offset, again.forest.joint_votes.offset)
+
+
+def samples_of(frames, training):
+    return gather_samples(
+        person
+        for frame in frames
+        for person in people_in(frame, training.joints, training.settings)
+    )
+
+
+def test_samples_are_in_units_of_rho_bar(people, training):
+    samples = samples_of(people[:5], training)
+    assert samples.levels.shape == (360, len(samples.points))
+    assert len(samples.scale) == 5
+    truth = people[3].truth
+    wanted = select_joints(truth, training.joints)[0]
+    np.testing.assert_allclose(samples.joints[3] * samples.scale[3], wanted, rtol=1e-5)
+    depths = (samples.points * samples.scale[samples.person][:, None])[samples.person == 3, 2]
+    body = people[3].depth[(people[3].labels >= 0) & (people[3].depth > 0)]
+    assert body.min() - 0.05 < depths.min() <= depths.max() < body.max() + 0.05
+
+
+def test_limb_lengths_are_means_over_the_people(people, training):
+    samples = samples_of(people[:9], training)
+    places = np.stack([select_joints(f.truth, training.joints)[0] for f in people[:9]])
+    edges = np.array([[1, 0], [2, 3]], np.int32)
+    expected = [np.linalg.norm(places[:, a] - places[:, b], axis=-1).mean() for a, b in edges]
+    np.testing.assert_allclose(limb_lengths(samples, edges), expected, rtol=1e-4)
+
+
+def test_a_joint_that_nobody_labels_is_named(people, training):
+    frames = [
+        frame._replace(
+            truth=frame.truth._replace(
+                joints=frame.truth.joints[:4],
+                positions=frame.truth.positions[:, :4],
+                confidence=frame.truth.confidence[:, :4],
+            )
+        )
+        for frame in people[:3]
+    ]
+    with pytest.raises(InputError, match=r'no frame labels l_shoulder, .*--joints'):
+        train(frames, training, {})
+
+
+@pytest.mark.parametrize('change', ['no truth', 'another number', 'empty mask', 'no frames'])
+def test_nobody_to_learn_from_is_an_input_error(people, training, change):
+    frame = people[0]
+    frames = {
+        'no truth': [frame._replace(truth=None)],
+        'another number': [frame._replace(labels=np.where(frame.labels >= 0, 9, NO_BODY))],
+        'empty mask': [frame._replace(labels=np.full_like(frame.labels, NO_BODY))],
+        'no frames': [],
+    }[change]
+    with pytest.raises(InputError, match='no labelled person'):
+        train(frames, training, {})
+
+
+def test_unlabelled_joints_do_not_hurt(people, training):
+    """Every third person lacks an elbow; the others teach it."""
+    elbow = 5
+    frames = []
+    for number, frame in enumerate(people[:60]):
+        positions = frame.truth.positions.copy()
+        positions[:, elbow] = np.nan if number % 3 == 0 else positions[:, elbow]
+        frames.append(frame._replace(truth=frame.truth._replace(positions=positions)))
+    model = train(frames, training, {})
+    assert np.isfinite(model.forest.joint_votes.offset).all()
+    assert np.isfinite(model.limb_lengths).all()
+    column = list(training.joints).index(elbow)
+    assert (model.forest.joint_votes.target == column).any()
+
+
+def skeletons(bodies, joints, positions):
+    positions = np.array(positions, np.float32)
+    return Skeletons(
+        np.array(bodies, np.uint16),
+        np.array(joints, np.uint16),
+        positions,
+        np.ones(positions.shape[:2], np.float32),
+    )
+
+
+def test_errors_are_matched_by_body_and_joint_number():
+    truth = skeletons(
+        [3, 5, 8], [0, 4], [[[0, 0, 2], [1, 0, 2]], [[9, 9, 9], [np.nan] * 3], [[0] * 3] * 2]
+    )
+    found = skeletons(
+        [5, 3], [4, 0, 1], [[[0] * 3, [9, 9, 9.5], [0] * 3], [[1, 0.3, 2], [np.nan] * 3, [0] * 3]]
+    )
+    errors = joint_errors(found, truth)
+    np.testing.assert_allclose(
+        errors, [[0.3, np.inf, np.nan], [np.nan, 0.5, np.nan], [np.inf, np.inf, np.nan]], rtol=1e-6
+    )
+
+
+def test_what_is_missing_is_missed_and_what_is_unlabelled_does_not_count(small_model, strangers):
+    evaluation = evaluate(Estimator(small_model), strangers[:1])._replace(
+        joints=numbers_of(['head', 'neck', 'torso']),
+        errors=np.array([[0.05, np.inf, np.nan], [0.2, 0.1, np.nan]], np.float32),
+    )
+    summary = summarise(evaluation, 0.1)
+    assert list(summary.joints) == ['head', 'neck']
+    assert summary.joints['head'] == pytest.approx((0.125, 0.5, 2))
+    assert summary.joints['neck'] == pytest.approx((0.1, 0.5, 2))
+    assert summary.map == pytest.approx(0.5)
+    assert summary.mean_error_m == pytest.approx(0.1125)
+
+
+def test_frames_without_labels_cannot_be_evaluated(small_model, strangers):
+    with pytest.raises(InputError, match='no frame has a labelled person'):
+        evaluate(Estimator(small_model), [frame._replace(truth=None) for frame in strangers[:2]])
