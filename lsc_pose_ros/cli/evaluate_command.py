@@ -2,6 +2,7 @@
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -58,12 +59,24 @@ def run(arguments: argparse.Namespace) -> int:
     print(_table(results, summary))
     if arguments.json:
         write_json(arguments.json, results)
+    if arguments.report:
+        # Matplotlib takes half a second to import, which a plain evaluation need not wait for.
+        from lsc_pose_ros.cli.evaluation_report import report_evaluation  # noqa: PLC0415
+
+        page = report_evaluation(
+            arguments.report,
+            estimator,
+            readers,
+            (evaluation, summary, arguments.tolerance),
+            _facts(results),
+        )
+        print(page)
     return 0
 
 
 def _results(
     arguments: argparse.Namespace, evaluation: Evaluation, summary: Summary
-) -> dict[str, object]:
+) -> dict[str, Any]:
     milliseconds = 1000 * evaluation.seconds
     return {
         'frames': len(evaluation.seconds),
@@ -82,8 +95,18 @@ def _results(
     }
 
 
-def _table(results: dict[str, object], summary: Summary) -> str:
-    tolerance = 100 * float(str(results['tolerance_m']))
+def _facts(results: dict[str, Any]) -> dict[str, str]:
+    times = results['ms_per_frame']
+    return {
+        'model': Path(results['model']).name,
+        'recordings': ', '.join(Path(name).name for name in results['recordings']),
+        'graph': 'on' if results['graph'] else 'off',
+        'time a frame': f'{times["p50"]:.1f} ms (95 % within {times["p95"]:.1f} ms)',
+    }
+
+
+def _table(results: dict[str, Any], summary: Summary) -> str:
+    tolerance = 100 * results['tolerance_m']
     lines = [f'{"joint":<12}{"error cm":>9}{f"within {tolerance:g} cm":>16}{"n":>8}']
     lines += [
         f'{name:<12}{100 * score.mean_error_m:>9.1f}{100 * score.ap:>14.1f} %{score.n:>8}'
@@ -91,9 +114,8 @@ def _table(results: dict[str, object], summary: Summary) -> str:
     ]
     lines.append(f'{"mean":<12}{100 * summary.mean_error_m:>9.1f}{100 * summary.map:>14.1f} %')
     times = results['ms_per_frame']
-    if isinstance(times, dict):
-        lines.append(
-            f'{results["frames"]} frames, {times["p50"]:.1f} ms a frame '
-            f'(95 % within {times["p95"]:.1f} ms)'
-        )
+    lines.append(
+        f'{results["frames"]} frames, {times["p50"]:.1f} ms a frame '
+        f'(95 % within {times["p95"]:.1f} ms)'
+    )
     return '\n'.join(lines)

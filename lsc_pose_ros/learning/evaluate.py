@@ -69,22 +69,27 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
     A person is known by the number in the mask.
 
     Raises:
-        InputError: no frame is labelled.
+        InputError: no frame is labelled, or no mask shows anybody.
     """
     errors: list[NDArray[np.float32]] = []
     places: list[NDArray[np.int64]] = []
     bodies: list[NDArray[np.uint16]] = []
     seconds: list[float] = []
+    seen = 0
     for number, frame in enumerate(frames):
         begin = time.perf_counter()
         skeletons = estimator.estimate(frame.depth, frame.labels, frame.camera)
         seconds.append(time.perf_counter() - begin)
+        seen += len(skeletons.bodies)
         if frame.truth is not None and len(frame.truth.bodies):
             errors.append(joint_errors(skeletons, frame.truth))
             bodies.append(frame.truth.bodies)
             places.append(np.full(len(frame.truth.bodies), number))
     if not errors:
         msg = 'no frame has a labelled person; evaluation needs a recording with ground truth'
+        raise InputError(msg)
+    if not seen:
+        msg = f'the masks of all {len(seconds)} frames are empty; is --mask-background right?'
         raise InputError(msg)
     return Evaluation(
         estimator.joints,

@@ -1,0 +1,195 @@
+"""`lsc_pose train` and `lsc_pose evaluate`, and what they say of bad input."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.core.camera import Intrinsics
+from lsc_pose_ros.core.frame import NO_BODY
+from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data.recording import RecordingWriter
+
+
+def record(path, frames):
+    with RecordingWriter(path) as writer:
+        for frame in frames:
+            writer.write_frame(frame)
+    return str(path)
+
+
+@pytest.fixture(scope='module')
+def recordings(people, tmp_path_factory):
+    """Two recordings of the same kind of people: to learn from, and to be tested on."""
+    folder = tmp_path_factory.mktemp('recordings')
+    learn = record(folder / 'learn.mcap', people[:150])
+    return learn, record(folder / 'bag', people[150:180])
+
+
+SMALL = ['--points', '120', '--trees', '2', '--depth', '10', '--joints', 'head', 'neck', 'l_knee']
+
+
+@pytest.fixture(scope='module')
+def model(recordings, tmp_path_factory):
+    path = tmp_path_factory.mktemp('trained') / 'me.npz'
+    assert main(['train', recordings[0], '-o', str(path), *SMALL]) == 0
+    return str(path)
+
+
+def complaint(capsys, words, status=2):
+    """Run `words`, which must fail, and return its single line on stderr."""
+    assert main([str(word) for word in words]) == status
+    captured = capsys.readouterr()
+    lines = captured.err.strip().splitlines()
+    assert len(lines) == 1, captured.err
+    assert lines[0].startswith('lsc_pose: error: ')
+    return lines[0]
+
+
+def test_train_writes_a_model_and_its_figures(recordings, tmp_path, capsys):
+    path, figures = tmp_path / 'me.npz', tmp_path / 'figures.json'
+    words = ['train', *recordings, '-o', str(path), *SMALL, '--seed', '7', '--json', str(figures)]
+    assert main(words) == 0
+    captured = capsys.readouterr()
+    assert re.match(r'.*me\.npz: 180 people, 2 trees, \d+ leaves', captured.out)
+    assert captured.err == ''  # no progress bar where there is no terminal
+    found = load_model(path)
+    assert found.settings.points == 120
+    assert found.joints.tolist() == [0, 1, 9]
+    assert found.provenance['recordings'] == 'learn.mcap, bag'
+    assert found.provenance['seed'] == '7'
+    results = json.loads(figures.read_text())
+    assert results['people'] == 180
+    assert results['points'] == 180 * 120
+    assert results['bytes'] == path.stat().st_size
+    assert sorted(p.name for p in tmp_path.iterdir()) == ['figures.json', 'me.npz']
+
+
+@pytest.mark.parametrize('graph', [True, False])
+def test_evaluate_prints_a_table_and_writes_the_agreed_results(
+    graph, model, recordings, tmp_path, capsys
+):
+    path = tmp_path / 'results.json'
+    words = ['evaluate', model, recordings[1], '--tolerance', '0.2', '--json', str(path)]
+    assert main([*words, *([] if graph else ['--no-graph'])]) == 0
+    table = capsys.readouterr().out
+    assert [line.split()[0] for line in table.splitlines()] == [
+        'joint', 'head', 'neck', 'l_knee', 'mean', '30',
+    ]  # fmt: skip
+    results = json.loads(path.read_text())
+    assert results['frames'] == 30
+    assert results['tolerance_m'] == 0.2
+    assert results['graph'] is graph
+    assert results['model'] == model
+    assert results['recordings'] == [recordings[1]]
+    assert set(results['joints']) == {'head', 'neck', 'l_knee'}
+    scores = results['joints'].values()
+    assert all(set(score) == {'mean_error_m', 'ap', 'n'} for score in scores)
+    assert results['map'] == pytest.approx(np.mean([score['ap'] for score in scores]))
+    assert results['map'] > 0.8
+    assert 0 < results['mean_error_m'] < 0.15
+    assert 0 < results['ms_per_frame']['p50'] <= results['ms_per_frame']['p95']
+
+
+def test_evaluate_writes_a_report(model, recordings, tmp_path, capsys):
+    assert main(['evaluate', model, recordings[1], '--report', str(tmp_path / 'page')]) == 0
+    assert 'index.html' in capsys.readouterr().out
+    page = (tmp_path / 'page' / 'index.html').read_text()
+    assert 'l_knee' in page
+    assert page.count('data:image/png;base64,') >= 4
+    assert not re.search(r'(src|href)="?(http|//|file)', page)
+
+
+def test_a_missing_recording(model, tmp_path, capsys):
+    missing = tmp_path / 'gone.mcap'
+    assert 'gone.mcap' in complaint(capsys, ['evaluate', model, missing])
+    assert 'gone.mcap' in complaint(capsys, ['train', missing, '-o', tmp_path / 'm.npz'])
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_and_a_wrong_model_file(recordings, tmp_path, capsys):
+    line = complaint(capsys, ['evaluate', tmp_path / 'gone.npz', recordings[1]])
+    assert 'there is no model file' in line
+    line = complaint(capsys, ['evaluate', recordings[0], recordings[1]])
+    assert 'learn.mcap is not a usable model file' in line
+
+
+def test_a_folder_that_is_not_there_is_found_out_before_the_training(recordings, tmp_path, capsys):
+    line = complaint(capsys, ['train', recordings[0], '-o', tmp_path / 'no' / 'm.npz', *SMALL])
+    assert 'its folder must exist' in line
+
+
+def test_an_unknown_joint(recordings, tmp_path, capsys):
+    words = ['train', recordings[0], '-o', tmp_path / 'm.npz', '--joints', 'nose']
+    assert 'unknown joint nose; the joints are head' in complaint(capsys, words)
+
+
+def test_a_recording_without_truth(model, people, tmp_path, capsys):
+    path = record(tmp_path / 'bare.mcap', [f._replace(truth=None) for f in people[:3]])
+    assert 'has no ground truth' in complaint(capsys, ['evaluate', model, path])
+    assert 'has no ground truth' in complaint(capsys, ['train', path, '-o', tmp_path / 'm.npz'])
+
+
+def test_empty_masks(model, people, tmp_path, capsys):
+    frames = [f._replace(labels=np.full_like(f.labels, NO_BODY)) for f in people[:3]]
+    path = record(tmp_path / 'empty.mcap', frames)
+    assert 'the masks of all 3 frames are empty' in complaint(capsys, ['evaluate', model, path])
+    assert 'no labelled person' in complaint(capsys, ['train', path, '-o', tmp_path / 'm.npz'])
+
+
+def test_a_mask_of_another_size(model, people, tmp_path, capsys):
+    path = record(tmp_path / 'small.mcap', [f._replace(labels=f.labels[:60]) for f in people[:2]])
+    line = complaint(capsys, ['evaluate', model, path])
+    assert '160 x 60' in line
+    assert '160 x 120' in line
+
+
+def test_a_camera_matrix_of_zeros(model, people, tmp_path, capsys):
+    frames = [f._replace(camera=Intrinsics(0.0, 0.0, 0.0, 0.0)) for f in people[:2]]
+    path = record(tmp_path / 'blind.mcap', frames)
+    assert 'camera_info' in complaint(capsys, ['evaluate', model, path])
+
+
+def test_a_truncated_recording_is_used_up_to_the_damage(model, recordings, tmp_path, capsys):
+    with open(recordings[0], 'rb') as file:  # noqa: PTH123
+        whole = file.read()
+    path = tmp_path / 'cut.mcap'
+    path.write_bytes(whole[: len(whole) * 2 // 3])
+    results = tmp_path / 'results.json'
+    assert main(['evaluate', model, str(path), '--json', str(results)]) == 0
+    frames = json.loads(results.read_text())['frames']
+    assert 0 < frames < 150
+    (warning,) = capsys.readouterr().err.strip().splitlines()
+    assert warning.startswith('lsc_pose: warning: ')
+    assert 'cut.mcap' in warning
+
+
+@pytest.mark.parametrize(
+    'words',
+    [
+        ['--points', '0'],
+        ['--trees', 'many'],
+        ['--depth', '-3'],
+        ['--seed', 'x'],
+    ],
+)
+def test_numbers_out_of_reason_end_with_two(words, recordings, tmp_path, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(['train', recordings[0], '-o', str(tmp_path / 'm.npz'), *words])
+    assert stop.value.code == 2
+    assert words[0] in capsys.readouterr().err
+
+
+def test_a_negative_seed(recordings, tmp_path, capsys):
+    words = ['train', recordings[0], '-o', tmp_path / 'm.npz', '--seed', '-1']
+    assert '--seed -1' in complaint(capsys, words)
+
+
+@pytest.mark.parametrize('tolerance', ['0', '-1', 'nan', 'wide'])
+def test_a_tolerance_out_of_reason(tolerance, model, recordings, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(['evaluate', model, recordings[1], '--tolerance', tolerance])
+    assert stop.value.code == 2
+    assert 'is not a number above 0' in capsys.readouterr().err
