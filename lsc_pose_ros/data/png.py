@@ -1,0 +1,57 @@
+"""PNG bytes to pixels and back: one channel, 8 or 16 bits, nothing lost."""
+
+import io
+import struct
+import zlib
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from lsc_pose_ros.errors import InputError
+
+# What Pillow calls an image of one channel: 1, 8 and 16 bits (older versions load 16 as 32).
+_MODES = ('1', 'L', 'I;16', 'I;16B', 'I')
+
+# Everything that Pillow lets through from a damaged file.
+_PILLOW_ERRORS = (
+    OSError,
+    SyntaxError,
+    ValueError,
+    TypeError,
+    IndexError,
+    EOFError,
+    MemoryError,
+    OverflowError,
+    struct.error,
+    zlib.error,
+    Image.DecompressionBombError,
+)
+
+
+def read_png(data: bytes | memoryview) -> NDArray[np.uint8] | NDArray[np.uint16]:
+    """Return the pixels of the PNG image `data`, shape (H, W), uint8 or uint16.
+
+    Raises:
+        InputError: the bytes are no PNG image, or it has colours.
+    """
+    try:
+        with Image.open(io.BytesIO(data), formats=('PNG',)) as image:
+            image.load()
+            mode, pixels = image.mode, np.asarray(image)
+    except _PILLOW_ERRORS as error:
+        msg = f'the image is no readable PNG ({error})'
+        raise InputError(msg) from error
+    if mode not in _MODES:
+        msg = f'the PNG image has the mode {mode}, but one channel of 8 or 16 bits is needed'
+        raise InputError(msg)
+    if mode == 'L':
+        return pixels.astype(np.uint8)
+    return pixels.astype(np.uint16)
+
+
+def write_png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
+    """Return `pixels`, shape (H, W), as a PNG image; the inverse of `read_png`."""
+    stream = io.BytesIO()
+    Image.fromarray(pixels).save(stream, 'PNG', compress_level=1)
+    return stream.getvalue()

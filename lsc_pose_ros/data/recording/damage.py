@@ -1,0 +1,47 @@
+"""What the libraries raise on a damaged file, and how it is said."""
+
+import sqlite3
+import struct
+import zlib
+
+import yaml
+import zstandard
+from mcap.exceptions import EndOfFile, McapError, RecordLengthLimitExceeded
+from mcap.stream_reader import CRCValidationError
+from rosbags.serde import SerdeError
+
+# mcap, rosbags and lz4 do not keep to exceptions of their own: a damaged file also shows itself
+# as whatever the plain Python below them raises.
+DAMAGE = (
+    McapError,
+    SerdeError,
+    zstandard.ZstdError,
+    sqlite3.Error,
+    struct.error,
+    zlib.error,
+    yaml.YAMLError,
+    OSError,
+    ValueError,
+    TypeError,
+    LookupError,
+    AttributeError,
+    ArithmeticError,
+    AssertionError,
+    EOFError,
+    MemoryError,
+    RuntimeError,
+)
+
+
+def reason(error: BaseException) -> str:
+    """Return in a few words what `error` means for the file that was being read."""
+    if isinstance(error, CRCValidationError):
+        return 'a checksum is wrong'
+    if isinstance(error, EndOfFile | EOFError | struct.error):
+        return 'the file is cut off'
+    if isinstance(error, RecordLengthLimitExceeded | MemoryError):
+        return 'a length is impossible'
+    if isinstance(error, OSError) and error.strerror:
+        return error.strerror.lower()
+    text = ' '.join(str(error).split()) or type(error).__name__
+    return text if len(text) < 100 else f'{text[:97]}...'

@@ -1,0 +1,108 @@
+"""What rosbag2 wants to know of a recording: metadata.yaml, version 9, and the QoS in it."""
+
+from typing import NamedTuple
+
+import yaml
+
+# 'No limit', as rosbag2 writes a duration.
+_FOREVER = {'sec': 9223372036, 'nsec': 854775807}
+_NO_TIME = 9223372036854775807
+
+VERSION = 9
+DISTRO = 'jazzy'
+
+
+class WrittenTopic(NamedTuple):
+    """A topic with what was written of it."""
+
+    name: str
+    type_name: str
+    fingerprint: str
+    messages: int
+
+
+class Written(NamedTuple):
+    """What a recording's one file holds; times in nanoseconds, None without a message."""
+
+    file_name: str
+    topics: list[WrittenTopic]
+    start: int | None
+    end: int | None
+
+
+def qos_profile() -> dict[str, object]:
+    """Return the QoS that we offer on every topic: reliable, the last ten, nothing kept."""
+    return {
+        'history': 'keep_last',
+        'depth': 10,
+        'reliability': 'reliable',
+        'durability': 'volatile',
+        'deadline': dict(_FOREVER),
+        'lifespan': dict(_FOREVER),
+        'liveliness': 'automatic',
+        'liveliness_lease_duration': dict(_FOREVER),
+        'avoid_ros_namespace_conventions': False,
+    }
+
+
+def qos_text() -> str:
+    """Return the offered QoS profiles of a channel, YAML text as rosbag2 stores it."""
+    return _dump([qos_profile()])
+
+
+def metadata_text(written: Written) -> str:
+    """Return the record 'serialized_metadata' of an MCAP file's metadata 'rosbag2'."""
+    return _dump(_information(written))
+
+
+def metadata_yaml(written: Written) -> str:
+    """Return the contents of a bag folder's metadata.yaml."""
+    return _dump({'rosbag2_bagfile_information': _information(written)}) + '\n'
+
+
+def _information(written: Written) -> dict[str, object]:
+    start = _NO_TIME if written.start is None else written.start
+    duration = 0 if written.start is None or written.end is None else written.end - written.start
+    count = sum(topic.messages for topic in written.topics)
+    times = {
+        'duration': {'nanoseconds': duration},
+        'starting_time': {'nanoseconds_since_epoch': start},
+        'message_count': count,
+    }
+    return {
+        'version': VERSION,
+        'storage_identifier': 'mcap',
+        **times,
+        'topics_with_message_count': [_topic(topic) for topic in written.topics],
+        'compression_format': '',
+        'compression_mode': '',
+        'relative_file_paths': [written.file_name],
+        'files': [{'path': written.file_name, **times}],
+        'custom_data': None,
+        'ros_distro': DISTRO,
+    }
+
+
+def _topic(topic: WrittenTopic) -> dict[str, object]:
+    return {
+        'topic_metadata': {
+            'name': topic.name,
+            'type': topic.type_name,
+            'serialization_format': 'cdr',
+            'offered_qos_profiles': [qos_profile()],
+            'type_description_hash': topic.fingerprint,
+        },
+        'message_count': topic.messages,
+    }
+
+
+class _Dumper(yaml.SafeDumper):
+    """Writes every mapping out; rosbag2's reader need not know YAML's references."""
+
+    def ignore_aliases(self, data: object) -> bool:
+        """Return True for any `data`."""
+        return data is not self
+
+
+def _dump(data: object) -> str:
+    return yaml.dump(data, Dumper=_Dumper, sort_keys=False, width=1000).strip()

@@ -1,0 +1,211 @@
+"""Finds and reads the .mat files of UTD-MHAD as they are; `utd_mhad` puts right what they say."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.errors import InputError
+
+LAG = 2
+"""How many frames the skeletons are ahead of the depth images."""
+
+FRAME_RATE = 30
+SECOND = 1_000_000_000
+
+# The data set carries no time of day: recordings start here (2015-01-01), so that importing twice
+# gives the same file.
+_EPOCH = 1_420_070_400 * SECOND
+_GAP = SECOND  # between sequences, so that nothing takes them for one motion
+
+_DEPTH_NAME = re.compile(r'a(\d+)_s(\d+)_t(\d+)_depth\.mat')
+_JOINT_COUNT = 20
+
+
+class Selection(NamedTuple):
+    """Which frames to import.
+
+    Attributes:
+        subjects: the subjects' numbers, or None for all.
+        actions: the actions' numbers, or None for all.
+        trials: the trials' numbers, or None for all.
+        stride: every so many frames of a sequence.
+        max_frames: draw so many frames, spread evenly over all those selected; None takes all.
+        seed: of that draw.
+    """
+
+    subjects: Sequence[int] | None = None
+    actions: Sequence[int] | None = None
+    trials: Sequence[int] | None = None
+    stride: int = 1
+    max_frames: int | None = None
+    seed: int = 0
+
+
+class Take(NamedTuple):
+    """One sequence of the data set, and which of its depth images to import.
+
+    Attributes:
+        depth_path: the file with the depth images.
+        skeletons: joints in the data set's own order and axes, metres, shape (20, 3, T).
+        start: the stamp of depth image 0, nanoseconds.
+        frames: the depth images to import, ascending, shape (n,).
+    """
+
+    depth_path: Path
+    skeletons: NDArray[np.float64]
+    start: int
+    frames: NDArray[np.int64]
+
+
+def select_takes(directory: Path, selection: Selection) -> list[Take]:
+    """Find the frames of `selection`, sorted by subject, action, trial and time.
+
+    Args:
+        directory: holds the folders Depth and Skeleton.
+        selection: which frames.
+
+    Returns:
+        The sequences that have frames to import; the sum of `len(take.frames)` is their number.
+
+    Raises:
+        InputError: the folder is no UTD-MHAD, nothing in it matches, or a skeleton is unreadable.
+    """
+    _check_selection(selection)
+    takes: list[Take] = []
+    start = _EPOCH
+    for path in _matching_paths(directory, selection):
+        skeletons = _read_skeletons(_skeleton_path(path))
+        length = skeletons.shape[2]
+        frames = np.arange(LAG, length, selection.stride)
+        takes.append(Take(path, skeletons, start, frames))
+        start += length * SECOND // FRAME_RATE + _GAP
+    if not any(len(take.frames) for take in takes):
+        msg = f'no sequence selected in {directory} is longer than {LAG} frames; select more'
+        raise InputError(msg)
+    if selection.max_frames is not None:
+        takes = _draw(takes, selection.max_frames, selection.seed)
+    return [take for take in takes if len(take.frames)]
+
+
+def _check_selection(selection: Selection) -> None:
+    if selection.stride < 1:
+        msg = f'the stride is {selection.stride}; give 1 or more'
+        raise InputError(msg)
+    if selection.max_frames is not None and selection.max_frames < 1:
+        msg = f'the largest number of frames is {selection.max_frames}; give 1 or more'
+        raise InputError(msg)
+    if selection.seed < 0:
+        msg = f'the seed is {selection.seed}; give 0 or more'
+        raise InputError(msg)
+
+
+def _matching_paths(directory: Path, selection: Selection) -> list[Path]:
+    if not (directory / 'Depth').is_dir() or not (directory / 'Skeleton').is_dir():
+        msg = f'{directory} has no folders Depth and Skeleton; give the folder of UTD-MHAD'
+        raise InputError(msg)
+    found: dict[tuple[int, ...], Path] = {}
+    for path in (directory / 'Depth').iterdir():
+        if match := _DEPTH_NAME.fullmatch(path.name):
+            action, subject, trial = (int(group) for group in match.groups())
+            found[subject, action, trial] = path
+    if not found:
+        msg = (
+            f'{directory / "Depth"} holds no file aA_sS_tT_depth.mat; give the folder of UTD-MHAD'
+        )
+        raise InputError(msg)
+    wanted = (selection.subjects, selection.actions, selection.trials)
+    for place, (kind, numbers) in enumerate(
+        zip(('subject', 'action', 'trial'), wanted, strict=True)
+    ):
+        there = {key[place] for key in found}
+        missing = sorted(set(numbers or ()) - there)
+        if missing:
+            msg = (
+                f'{directory} has no sequence of {kind} {missing[0]}; '
+                f'it has {", ".join(str(number) for number in sorted(there))}'
+            )
+            raise InputError(msg)
+    paths = [found[key] for key in sorted(found) if _matches(key, wanted)]
+    if not paths:
+        msg = f'no sequence in {directory} has that subject, action and trial at once; select more'
+        raise InputError(msg)
+    return paths
+
+
+def _matches(key: tuple[int, ...], wanted: tuple[Sequence[int] | None, ...]) -> bool:
+    pairs = zip(key, wanted, strict=True)
+    return all(numbers is None or number in numbers for number, numbers in pairs)
+
+
+def _skeleton_path(depth_path: Path) -> Path:
+    name = depth_path.name.replace('_depth', '_skeleton')
+    return depth_path.parent.parent / 'Skeleton' / name
+
+
+def _draw(takes: Sequence[Take], count: int, seed: int) -> list[Take]:
+    """Keep `count` frames: one at random of each of `count` equal stretches of them all."""
+    lengths = np.array([len(take.frames) for take in takes])
+    total = int(lengths.sum())
+    if total <= count:
+        return list(takes)
+    edges = np.arange(count + 1) * total // count
+    random = np.random.Generator(np.random.PCG64(seed))
+    chosen = edges[:-1] + np.floor(random.random(count) * np.diff(edges)).astype(np.int64)
+    first = np.concatenate([[0], np.cumsum(lengths)])
+    return [
+        take._replace(frames=take.frames[chosen[(chosen >= low) & (chosen < high)] - low])
+        for take, low, high in zip(takes, first[:-1], first[1:], strict=True)
+    ]
+
+
+def _read_skeletons(path: Path) -> NDArray[np.float64]:
+    skeletons = _load(path, 'd_skel').astype(np.float64)
+    if skeletons.ndim != 3 or skeletons.shape[:2] != (_JOINT_COUNT, 3):
+        msg = f'd_skel in {path} has the shape {skeletons.shape}, not (20, 3, T); fetch it again'
+        raise InputError(msg)
+    return skeletons
+
+
+def read_depth(take: Take) -> NDArray[np.uint16]:
+    """Return all depth images of a sequence as stored, millimetres, shape (H, W, T).
+
+    Raises:
+        InputError: the file is unreadable or does not fit its skeletons.
+    """
+    depth = _load(take.depth_path, 'd_depth')
+    length = take.skeletons.shape[2]
+    if depth.ndim != 3 or depth.shape[2] != length:
+        msg = (
+            f'd_depth in {take.depth_path} has the shape {depth.shape}, '
+            f'but its skeleton file has {length} frames; fetch both again'
+        )
+        raise InputError(msg)
+    return depth.astype(np.uint16)
+
+
+def _load(path: Path, key: str) -> NDArray[Any]:
+    """Return the array `key` of a .mat file."""
+    try:
+        from scipy.io import loadmat  # noqa: PLC0415 - an optional dependency
+    except ImportError:
+        msg = (
+            'reading UTD-MHAD needs scipy; install it with "pip install lsc_pose_ros[utd]" '
+            'or as python3-scipy'
+        )
+        raise InputError(msg) from None
+    if not path.is_file():
+        msg = f'{path} is missing; every depth file needs its skeleton file beside it'
+        raise InputError(msg)
+    try:
+        contents = loadmat(path, variable_names=[key])
+    except Exception as error:  # a damaged file leaks half a dozen kinds
+        msg = f'{path} cannot be read as a .mat file ({error}); fetch it again'
+        raise InputError(msg) from error
+    if key not in contents:
+        msg = f'{path} holds no {key}; it is no file of UTD-MHAD'
+        raise InputError(msg)
+    return np.asarray(contents[key])
