@@ -1,1 +1,1 @@
-"""Pictures and reports drawn from arrays; imports core only."""
+"""Pictures and reports drawn from arrays; imports core and learning only."""

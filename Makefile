@@ -1,0 +1,76 @@
+# Everything from a fresh clone: Python 3.10 to 3.13 with pip, and make, are all it needs.
+
+PYTHON ?= python3
+
+VENV := .venv
+BIN := $(VENV)/bin
+
+# The oldest releases that setup.py allows, and a Python that numba 0.59 has wheels for.
+FLOOR := .venv-floor
+FLOOR_PACKAGES := 'numpy==1.26.*' 'numba==0.59.*' 'mcap==1.3.*' 'rosbags==0.10.*' 'pytest==7.4.*'
+FLOOR_TESTS := test/core test/learning
+FLOOR_PYTHON = $(shell for python in '$(PYTHON)' python3.12 python3.11 python3.10; do \
+	"$$python" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 12))' \
+	2>/dev/null && echo "$$python" && break; done)
+
+# The ROS wheels mark the environment of the Python that they have set up; ours is another.
+unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
+ifneq ($(ROS_DISTRO),jazzy)
+# The packages of another ROS distribution would hide the wheels' own.
+unexport PYTHONPATH AMENT_PREFIX_PATH
+endif
+
+.NOTPARALLEL:
+.DELETE_ON_ERROR:
+.PHONY: help install test lint test-floor test-newest demo clean
+
+help:
+	@echo 'make demo     train on synthetic people, start the live node, check what it answers'
+	@echo 'make test     linters, types, import contract, tests on the oldest and newest numpy'
+	@echo 'make install  the environment $(VENV) alone, with the ROS wheels unless Jazzy is sourced'
+	@echo 'make clean    remove all that these made'
+
+install: $(VENV)/installed
+
+test: lint test-floor test-newest
+
+lint: $(VENV)/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	@if $(BIN)/python -c 'import sys, numpy; sys.exit(numpy.lib.NumpyVersion(numpy.__version__) < "2.3.0")'; \
+	then echo $(BIN)/mypy; $(BIN)/mypy; \
+	else echo 'mypy: skipped; the types are written for those of numpy 2.3 and newer'; fi
+	$(BIN)/lint-imports --no-cache
+
+test-newest: $(VENV)/installed
+	$(BIN)/python -m pytest
+
+test-floor: $(if $(FLOOR_PYTHON),$(FLOOR)/installed)
+ifneq ($(FLOOR_PYTHON),)
+	NUMBA_CACHE_DIR=$(FLOOR)/numba PYTHONPATH= $(FLOOR)/bin/python -m pytest $(FLOOR_TESTS)
+else
+	@echo 'Skipped: numpy 1.26 with numba 0.59 takes Python 3.10, 3.11 or 3.12, and none is here.'
+endif
+
+demo: $(VENV)/installed
+	$(BIN)/python -m lsc_pose_ros.demo --directory demo
+
+clean:
+	rm -rf $(VENV) $(FLOOR) demo build install log dist *.egg-info
+	rm -rf .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
+	find lsc_pose_ros test launch -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# A Jazzy that is sourced serves where the environment can import it; else the wheels do.
+$(VENV)/installed: setup.py pyproject.toml .ci/environment
+ifeq ($(ROS_DISTRO),jazzy)
+	.ci/environment $(VENV) '$(PYTHON)' --system-site-packages -- --editable '.[test]'
+	$(BIN)/python -c 'import rclpy.node' 2>/dev/null || \
+	    .ci/environment $(VENV) '$(PYTHON)' -- --editable '.[ros,test]'
+else
+	.ci/environment $(VENV) '$(PYTHON)' -- --editable '.[ros,test]'
+endif
+	@touch $@
+
+$(FLOOR)/installed: Makefile setup.py .ci/environment
+	.ci/environment $(FLOOR) '$(FLOOR_PYTHON)' -- --editable . $(FLOOR_PACKAGES)
+	@touch $@

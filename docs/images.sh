@@ -1,0 +1,20 @@
+#!/bin/sh
+# Draws the pictures of how_it_works.md anew: synthetic people, a small model, one frame.
+# Takes a few minutes; needs lsc_pose on the PATH, or its name in LSC_POSE.
+set -eu
+
+pictures=$(cd "$(dirname "$0")" && pwd)/images
+lsc_pose=${LSC_POSE:-lsc_pose}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+$lsc_pose synth "$work/train.mcap" --frames 2400 --clip-length 3 --seed 1
+$lsc_pose synth "$work/people.mcap" --frames 300 --clip-length 6 --seed 2
+$lsc_pose train "$work/train.mcap" -o "$work/model.npz"
+
+$lsc_pose view "$work/people.mcap" -o "$work/stages" --stages 106 --model "$work/model.npz"
+rm "$work/stages/stages.png"
+mkdir -p "$pictures"
+cp "$work/stages/"*.png "$pictures"
+$lsc_pose view "$work/people.mcap" -o "$pictures/sheet.png" --model "$work/model.npz" \
+    --at 16 64 106 176 224 272

@@ -1,0 +1,116 @@
+"""`lsc_pose`: finds the command, runs it, and turns what goes wrong into one line and a status."""
+
+import argparse
+import importlib
+import os
+import sys
+import traceback
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol, cast
+
+from lsc_pose_ros import __version__
+from lsc_pose_ros.errors import InputError
+
+PROGRAM = 'lsc_pose'
+DEBUG_VARIABLE = 'LSC_POSE_DEBUG'
+
+FAILURE = 1
+BAD_INPUT = 2
+INTERRUPTED = 130  # 128 + SIGINT, as shells report it
+PIPE_CLOSED = 141  # 128 + SIGPIPE
+
+_DESCRIPTION = 'Human joints in 3-D from depth images: record, train, evaluate, replay.'
+_EPILOG = f"""\
+'{PROGRAM} COMMAND --help' explains a command. The status is 0, or 2 for input that cannot be
+used, or 1 for any other failure; {DEBUG_VARIABLE}=1 shows the traceback of those.
+"""
+
+
+class Command(NamedTuple):
+    """Where a command lives, and what the list of commands says of it."""
+
+    module: str
+    help: str
+
+
+class CommandModule(Protocol):
+    """What the module of a command provides."""
+
+    HELP: str
+
+    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
+        """Add the command's own arguments to `parser`."""
+
+    def run(self, arguments: argparse.Namespace) -> int:
+        """Carry the command out; return the exit status."""
+
+
+# The help lines stand here, too, so that `--help` need not import numba and matplotlib.
+COMMANDS: dict[str, Command] = {
+    'import': Command('import_command', 'turn a public data set into a labelled recording'),
+    'synth': Command('synth_command', 'generate a labelled recording of synthetic people'),
+    'train': Command('train_command', 'learn a model from labelled recordings'),
+    'evaluate': Command('evaluate_command', 'measure a model on labelled recordings'),
+    'replay': Command('replay_command', 'estimate every frame of a recording, or publish it'),
+    'view': Command('view_command', 'draw frames of a recording, or one through every stage'),
+    'info': Command('info_command', 'say what a recording or a model holds'),
+}
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Run `lsc_pose` with `words` (default: the process's own) and return the exit status.
+
+    Raises:
+        SystemExit: the words are wrong (status 2), or ask for help or the version (status 0).
+    """
+    try:
+        status = _run(list(sys.argv[1:] if words is None else words))
+        sys.stdout.flush()
+    except InputError as error:
+        _complain(str(error))
+        return BAD_INPUT
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        _silence_stdout()
+        return PIPE_CLOSED
+    except Exception as error:  # noqa: BLE001 - the last resort: a line instead of a traceback
+        if os.environ.get(DEBUG_VARIABLE):
+            traceback.print_exc()
+        _complain(f'{type(error).__name__}: {error}')
+        return FAILURE
+    return status
+
+
+def _run(words: list[str]) -> int:
+    name = next((word for word in words if not word.startswith('-')), None)
+    parser = argparse.ArgumentParser(prog=PROGRAM, description=_DESCRIPTION, epilog=_EPILOG)
+    parser.add_argument('--version', action='version', version=f'{PROGRAM} {__version__}')
+    subparsers = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
+    module: CommandModule | None = None
+    for listed, command in COMMANDS.items():
+        # A command's own arguments cost its imports, so only the one that is called adds them.
+        subparser = subparsers.add_parser(listed, help=command.help)
+        if listed == name:
+            module = load(command)
+            subparser.description = module.HELP
+            module.add_arguments(subparser)
+    arguments = parser.parse_args(words)
+    if module is None:  # parse_args has refused every other word already
+        parser.error('name a command')
+    return module.run(arguments)
+
+
+def load(command: Command) -> CommandModule:
+    """Import the module of `command`."""
+    return cast('CommandModule', importlib.import_module(f'lsc_pose_ros.cli.{command.module}'))
+
+
+def _complain(message: str) -> None:
+    """Print `message` on stderr as one line, whatever line breaks it holds."""
+    print(f'{PROGRAM}: error: {" ".join(message.split())}', file=sys.stderr)
+
+
+def _silence_stdout() -> None:
+    """Keep Python from complaining at its exit about what it cannot write to a closed pipe."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,0 +1,113 @@
+"""Figures without a window and without the user's settings, and their way into PNG files."""
+
+import io
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from lsc_pose_ros.errors import InputError
+
+DOTS_PER_INCH = 100
+
+_STYLE = {
+    'font.size': 9,
+    'axes.titlesize': 9,
+    'axes.labelsize': 9,
+    'axes.spines.top': False,
+    'axes.spines.right': False,
+    'axes.edgecolor': '#666666',
+    'axes.linewidth': 0.8,
+    'axes.grid': False,
+    'xtick.labelsize': 8,
+    'ytick.labelsize': 8,
+    'xtick.color': '#444444',
+    'ytick.color': '#444444',
+    'legend.fontsize': 8,
+    'legend.frameon': False,
+    'image.interpolation': 'nearest',
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Draw alike on every machine, whatever its matplotlibrc says; also a decorator."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_STYLE)  # type: ignore[arg-type]
+        yield
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """Return an empty figure of `width` x `height` inches, drawn without a display."""
+    figure = Figure(
+        figsize=(width, height), dpi=DOTS_PER_INCH, layout='constrained', facecolor='white'
+    )
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def hide_axes(axes: Axes) -> None:
+    """Leave of `axes` only what is drawn in it."""
+    axes.set_xticks([])
+    axes.set_yticks([])
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+
+
+@house_style()
+def png_bytes(figure: Figure, *, scale: float = 1.0) -> bytes:
+    """Return `figure` as a PNG file's bytes, `scale` times as fine as on the page."""
+    buffer = io.BytesIO()
+    figure.savefig(
+        buffer,
+        format='png',
+        dpi=scale * DOTS_PER_INCH,
+        # The name and version of the program would make the same picture another file.
+        metadata={'Software': None},
+        pil_kwargs={'optimize': True},
+    )
+    return buffer.getvalue()
+
+
+def save_png(figure: Figure, path: Path) -> None:
+    """Write `figure` to `path`, beside it first and then renamed.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    write_beside(path, png_bytes(figure))
+
+
+def make_directory(directory: Path) -> None:
+    """Make `directory` where it does not exist.
+
+    Raises:
+        InputError: it cannot be made.
+    """
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        msg = f'{directory}: cannot be made a folder: {error.strerror or error}'
+        raise InputError(msg) from error
+
+
+def write_beside(path: Path, data: bytes) -> None:
+    """Write `data` to `path`, beside it first and then renamed, so that no half file is left.
+
+    Raises:
+        InputError: the file cannot be written.
+    """
+    beside = path.with_name(f'.{path.name}.{os.getpid()}.part')
+    try:
+        beside.write_bytes(data)
+        beside.replace(path)
+    except OSError as error:
+        beside.unlink(missing_ok=True)
+        msg = f'{path}: cannot be written: {error.strerror or error}'
+        raise InputError(msg) from error

@@ -1,0 +1,52 @@
+"""A corner of the network of one's own: for the demo and the tests."""
+
+import os
+import socket
+from collections.abc import Iterator
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.resources import resource
+
+PROFILE_VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
+
+# Above it, domains get ports that the operating system hands out to others.
+_LAST_DOMAIN = 101
+
+# RTPS 2.2, section 9.6.1.1: where the first participant of a domain listens.
+_FIRST_PORT = 7410
+_PORTS_A_DOMAIN = 250
+
+
+def isolated_environment() -> dict[str, str]:
+    """Return environment variables for ROS programs that talk to each other and to nobody else.
+
+    They use a domain in which nobody listens yet, this computer alone, and the Fast DDS profile
+    for images. They must be set before a program starts ROS.
+
+    Raises:
+        InputError: all domains are in use.
+    """
+    return {
+        'ROS_DOMAIN_ID': str(_free_domain()),
+        'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        PROFILE_VARIABLE: str(resource('config', 'fastdds_profile.xml')),
+    }
+
+
+def _free_domain() -> int:
+    for domain in _domains():
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.bind(('', _FIRST_PORT + _PORTS_A_DOMAIN * domain))
+            except OSError:
+                continue
+        return domain
+    msg = 'all ROS domains are in use on this computer; end some ROS programs'
+    raise InputError(msg)
+
+
+def _domains() -> Iterator[int]:
+    """Yield 1 to 101, each process from elsewhere, so that two do not find the same one."""
+    first = os.getpid()
+    for number in range(_LAST_DOMAIN):
+        yield 1 + (first + number) % _LAST_DOMAIN

@@ -1,0 +1,26 @@
+"""`pose_node`: the program around the node."""
+
+import sys
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.requirements import load_with_ros
+
+BAD_INPUT = 2
+
+
+def main(args: list[str] | None = None) -> int:
+    """Run the node until SIGINT or SIGTERM and return the exit status.
+
+    Args:
+        args: the command line with --ros-args; None for the process's own.
+    """
+    try:
+        load_with_ros('lsc_pose_ros.ros.run').run_node(args)
+    except InputError as error:
+        sys.stderr.write(f'pose_node: error: {" ".join(str(error).split())}\n')
+        return BAD_INPUT
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())

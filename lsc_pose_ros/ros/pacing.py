@@ -1,0 +1,51 @@
+"""When a recorded message is due."""
+
+import time
+from collections.abc import Callable, Iterator
+
+# A wait is cut into pieces of this length, seconds, so that it can be broken off.
+_SLICE = 0.02
+
+
+class Pacer:
+    """Turns recorded times into waits, so that no error adds up.
+
+    The first message is due at once, each other one as long after it as it was recorded, divided
+    by the rate. What is late is due at once.
+    """
+
+    def __init__(
+        self,
+        rate: float,
+        now: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], None] = time.sleep,
+    ) -> None:
+        """Start with no message.
+
+        Args:
+            rate: how many recorded seconds pass in one real second.
+            now: the clock, seconds.
+            sleep: waits for some seconds.
+        """
+        self._rate = rate
+        self._now = now
+        self._sleep = sleep
+        self._start: tuple[float, int] | None = None
+
+    def wait_until(self, log_time: int) -> Iterator[int]:
+        """Wait until a message is due, and meanwhile yield the recorded time that it is now.
+
+        Args:
+            log_time: when the message was recorded, nanoseconds.
+
+        Yields:
+            the recorded time in nanoseconds, many times a second, and at last `log_time`.
+        """
+        if self._start is None:
+            self._start = (self._now(), log_time)
+        began, first = self._start
+        due = began + (log_time - first) * 1e-9 / self._rate
+        while (left := due - self._now()) > 0:
+            yield log_time - round(left * self._rate * 1e9)
+            self._sleep(min(left, _SLICE))
+        yield log_time

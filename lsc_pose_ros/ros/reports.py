@@ -1,0 +1,63 @@
+"""What the node says of trouble: each kind of trouble at most once in a while."""
+
+import threading
+import time
+from collections.abc import Callable
+from typing import Protocol
+
+
+class Logger(Protocol):
+    """What is used of rclpy's logger."""
+
+    def warning(self, message: str) -> object:
+        """Log a warning."""
+
+    def error(self, message: str) -> object:
+        """Log an error."""
+
+
+class Reports:
+    """A throttle before the log, for messages that would come with every frame.
+
+    rclpy throttles by the line of code that logs; here the kind of trouble decides, so that a
+    broken mask does not hide a broken depth image. May be used from any thread.
+    """
+
+    def __init__(
+        self, logger: Logger, period: float = 5.0, now: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Prepare a throttle.
+
+        Args:
+            logger: where the messages go.
+            period: seconds in which one kind of trouble is logged once.
+            now: the clock, seconds.
+        """
+        self._logger = logger
+        self._period = period
+        self._now = now
+        self._lock = threading.Lock()
+        self._last: dict[str, float] = {}
+        self._withheld: dict[str, int] = {}
+
+    def warning(self, kind: str, text: str) -> None:
+        """Log `text` as a warning unless one of the same `kind` was logged just now."""
+        message = self._admit(kind, text)
+        if message is not None:
+            self._logger.warning(message)
+
+    def error(self, kind: str, text: str) -> None:
+        """Log `text` as an error unless one of the same `kind` was logged just now."""
+        message = self._admit(kind, text)
+        if message is not None:
+            self._logger.error(message)
+
+    def _admit(self, kind: str, text: str) -> str | None:
+        with self._lock:
+            now = self._now()
+            if now - self._last.get(kind, -float('inf')) < self._period:
+                self._withheld[kind] = self._withheld.get(kind, 0) + 1
+                return None
+            self._last[kind] = now
+            withheld = self._withheld.pop(kind, 0)
+        return f'{text} ({withheld} more like this since the last report)' if withheld else text

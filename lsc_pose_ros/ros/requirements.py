@@ -1,0 +1,23 @@
+"""Whether ROS 2 is here: the one place that says so when it is not."""
+
+import importlib
+from types import ModuleType
+
+from lsc_pose_ros.errors import InputError
+
+
+def load_with_ros(module: str) -> ModuleType:
+    """Import and return `module`, which needs rclpy or message packages.
+
+    Raises:
+        InputError: ROS 2 or one of the message packages is not installed, or cannot start.
+    """
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        reason = str(error).splitlines()[0] if str(error) else module
+        msg = (
+            f'ROS 2 is not available to this Python ({reason}); source a ROS 2 installation, '
+            'or run pip install lsc_pose_ros[ros]'
+        )
+        raise InputError(msg) from error

@@ -1,0 +1,78 @@
+"""One thread that works on the newest item: how the node keeps up with any camera."""
+
+import threading
+from collections.abc import Callable
+from typing import Generic, TypeVar
+
+Item = TypeVar('Item')
+
+
+class Worker(Generic[Item]):
+    """A thread with a slot for one waiting item; a newer item takes the older one's place.
+
+    So the answer is never older than one item's work, and memory does not grow, however fast the
+    items come. The last item that is submitted is always worked on.
+    """
+
+    def __init__(
+        self, work: Callable[[Item], None], failed: Callable[[Exception], None], name: str
+    ) -> None:
+        """Prepare a worker; it works from `start` on.
+
+        Args:
+            work: called with one item at a time, in the worker's thread.
+            failed: called in the worker's thread with what `work` raised; work then goes on.
+            name: of the thread.
+        """
+        self._work = work
+        self._failed = failed
+        self._changed = threading.Condition()
+        self._waiting: list[Item] = []  # never more than one
+        self._closed = False
+        self._replaced = 0
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+
+    @property
+    def replaced(self) -> int:
+        """How many items a newer one has replaced before they were worked on."""
+        return self._replaced
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def submit(self, item: Item) -> None:
+        """Hand over `item`; never blocks."""
+        with self._changed:
+            self._replaced += len(self._waiting)
+            self._waiting[:] = [item]
+            self._changed.notify()
+
+    def close(self, timeout: float = 5.0) -> bool:
+        """End the thread after the item it works on; a waiting item is given up.
+
+        Args:
+            timeout: seconds to wait for the thread.
+
+        Returns:
+            Whether the thread has ended.
+        """
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        if self._thread.is_alive():
+            self._thread.join(timeout)
+        return not self._thread.is_alive()
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._waiting or self._closed)
+                if self._closed:
+                    return
+                item = self._waiting.pop()
+            try:
+                self._work(item)
+            except Exception as error:  # noqa: BLE001 - one bad frame must not end the node
+                self._failed(error)
+            del item  # an image must not live on while the thread waits

@@ -1,0 +1,84 @@
+"""Install lsc_pose_ros: pip and colcon both come here."""
+
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+PACKAGE = 'lsc_pose_ros'
+# colcon runs a symbolic link to this file, in a folder without the README.
+README = Path(__file__).resolve().with_name('README.md')
+
+# Training and offline work: no ROS.
+REQUIREMENTS = [
+    'matplotlib>=3.6',
+    'mcap>=1.3',
+    'numba>=0.59',
+    'numpy>=1.26',
+    'pillow>=9.4',
+    'pyyaml>=6.0',
+    'rosbags>=0.10',
+    'tqdm>=4.60',
+    'zstandard>=0.20',
+]
+
+EXTRAS = {
+    # A ROS 2 Jazzy from wheels, for machines that have none.
+    'ros': [
+        'ros-jazzy-rclpy[fastrtps]>=7.1',
+        'ros-jazzy-sensor-msgs>=5.3',
+        'ros-jazzy-visualization-msgs>=5.3',
+    ],
+    # `lsc_pose import utd-mhad` reads MATLAB files.
+    'mat': ['scipy>=1.11'],
+    'test': [
+        'import-linter>=2.0',
+        'mypy>=1.11',
+        'pytest>=7.4,<10',
+        'ruff>=0.9',
+        'scipy>=1.11',
+        'scipy-stubs',
+        'setuptools>=70.1',
+        'types-pyyaml',
+        'types-tqdm',
+    ],
+}
+
+
+def shared_files(folder: str) -> list[tuple[str, list[str]]]:
+    """Return the files below `folder`, grouped as setuptools wants them: by their target."""
+    groups: dict[str, list[str]] = {}
+    for path in sorted(Path(folder).rglob('*')):
+        if path.is_file() and path.suffix != '.pyc':
+            groups.setdefault(f'share/{PACKAGE}/{path.parent}', []).append(str(path))
+    return list(groups.items())
+
+
+setup(
+    name=PACKAGE,
+    version='0.1.0',
+    description='Human joints in 3-D from one depth image and a person mask, for ROS 2',
+    long_description=README.read_text(encoding='utf-8'),
+    long_description_content_type='text/markdown',
+    license='Apache-2.0',
+    maintainer='lsc_pose_ros maintainers',
+    maintainer_email='maintainers@users.noreply.h-seed-a1dd597a.example',
+    keywords=['ROS', 'human pose estimation', 'depth image', 'regression forest'],
+    python_requires='>=3.10',
+    packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
+    data_files=[
+        ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
+        (f'share/{PACKAGE}', ['package.xml']),
+        *shared_files('config'),
+        *shared_files('launch'),
+        *shared_files('models'),
+    ],
+    install_requires=REQUIREMENTS,
+    extras_require=EXTRAS,
+    zip_safe=False,
+    entry_points={
+        'console_scripts': [
+            'lsc_pose = lsc_pose_ros.cli.main:main',
+            'pose_node = lsc_pose_ros.ros.main:main',
+        ],
+    },
+)

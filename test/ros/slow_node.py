@@ -1,0 +1,27 @@
+"""The node with an estimator that takes long, for the tests of overload.
+
+slow_node.py SECONDS --ros-args ...
+"""
+
+import sys
+import time
+
+from lsc_pose_ros.core.camera import Intrinsics
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.ros.main import main
+
+SECONDS = float(sys.argv.pop(1))
+estimate = Estimator.estimate
+
+
+def estimate_slowly(
+    self: Estimator, depth: object, labels: object, camera: Intrinsics
+) -> Skeletons:
+    time.sleep(SECONDS)
+    return estimate(self, depth, labels, camera)
+
+
+Estimator.estimate = estimate_slowly
+
+sys.exit(main())

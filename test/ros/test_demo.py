@@ -1,0 +1,117 @@
+"""The demonstration, and how it judges the live node."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
+
+from live_ros import Program
+
+from lsc_pose_ros import demo
+from lsc_pose_ros.core.frame import Frame
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.answering import SKELETONS_TOPIC
+from lsc_pose_ros.data.recording import RawMessage, RecordingWriter, open_frames
+from lsc_pose_ros.data.recording.raw import POINT_CLOUD
+from lsc_pose_ros.data.recording.serialise import skeletons_message
+
+
+def answer(frame: Frame, offset: float = 0.0, unknown: int = 0) -> Skeletons:
+    """The truth, shifted along x, with the first joints left out."""
+    positions = frame.truth.positions + np.array([offset, 0, 0], np.float32)
+    positions[:, :unknown] = np.nan
+    return frame.truth._replace(positions=positions)
+
+
+def compared(frames: list[Frame], answers: dict[int, Skeletons], tmp_path: Path) -> demo.Outcome:
+    path = tmp_path / 'live.mcap'
+    with RecordingWriter(path) as writer:
+        for number, frame in enumerate(frames):
+            writer.write_frame(frame)
+            if number in answers:
+                writer.write_skeletons(
+                    SKELETONS_TOPIC, frame.stamp, frame.frame_id, answers[number]
+                )
+    return demo.compare(path)
+
+
+def test_perfect_answers_pass(simple_frames: list[Frame], tmp_path: Path) -> None:
+    answers = {number: answer(frame) for number, frame in enumerate(simple_frames)}
+    outcome = compared(simple_frames, answers, tmp_path)
+    assert outcome == (10, 10, 0.0)
+    assert outcome.passed
+
+
+def test_error_is_the_mean_distance(simple_frames: list[Frame], tmp_path: Path) -> None:
+    answers = {number: answer(frame, 0.09, 1) for number, frame in enumerate(simple_frames)}
+    outcome = compared(simple_frames, answers, tmp_path)
+    assert outcome.answered == 10
+    assert outcome.mean_error == pytest.approx(0.09, abs=1e-6)
+    assert not outcome.passed
+
+
+def test_missing_answers_fail(simple_frames: list[Frame], tmp_path: Path) -> None:
+    answers = {number: answer(frame) for number, frame in enumerate(simple_frames) if number}
+    outcome = compared(simple_frames, answers, tmp_path)
+    assert outcome == (10, 9, 0.0)
+    assert not outcome.passed
+
+
+def test_answer_without_joints_of_somebody_is_none(
+    simple_frames: list[Frame], tmp_path: Path
+) -> None:
+    answers = {number: answer(frame) for number, frame in enumerate(simple_frames)}
+    answers[3].positions[1] = np.nan  # the second person
+    answers[4] = answer(simple_frames[4], 0.0, 3)
+    assert compared(simple_frames, answers, tmp_path).answered == 8
+
+
+def test_no_answer_at_all_fails(simple_frames: list[Frame], tmp_path: Path) -> None:
+    outcome = compared(simple_frames, {}, tmp_path)
+    assert outcome == (10, 0, float('inf'))
+    assert not outcome.passed
+
+
+def test_answers_are_put_where_their_frames_are(
+    simple_frames: list[Frame], labelled_recording: Path, tmp_path: Path
+) -> None:
+    answers = [
+        RawMessage(
+            SKELETONS_TOPIC,
+            POINT_CLOUD,
+            9 * 10**18,  # the time of the demonstration
+            skeletons_message(frame.stamp, frame.frame_id, answer(frame)),
+        )
+        for frame in reversed(simple_frames)
+    ]
+    files = demo._files(tmp_path)._replace(test=labelled_recording)
+    demo.write_live(files, answers)
+    assert demo.compare(files.live) == (10, 10, 0.0)
+    assert len(list(open_frames(files.live))) == 10
+
+
+def test_directory_that_cannot_be_made(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / 'file').touch()
+    assert demo.main(['--directory', str(tmp_path / 'file' / 'demo')]) == 2
+    assert 'choose another --directory' in capfd.readouterr().out
+
+
+def test_whole_demonstration_in_small(start: Callable[..., Program], tmp_path: Path) -> None:
+    code = (
+        'import sys, lsc_pose_ros.demo as demo\n'
+        'demo.TRAINING_FRAMES, demo.TEST_FRAMES = 120, 20\n'
+        f'sys.exit(demo.main(["--directory", {str(tmp_path / "demo")!r}]))'
+    )
+    program = start('-c', code)
+    program.ends(seconds=200)
+    assert re.search(r'answered (19|20) of 20 frames over ROS 2', program.output), program.output
+    error = float(re.search(r'Mean error of its joints: ([\d.]+) cm', program.output)[1])
+    assert error < 20  # it has learned from 4 people only
+    assert (tmp_path / 'demo' / 'live.png').stat().st_size > 10_000
+    log = (tmp_path / 'demo' / 'node.log').read_text()
+    assert 'Traceback' not in log
+    assert 'ERROR' not in log

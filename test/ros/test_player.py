@@ -1,0 +1,198 @@
+"""`lsc_pose replay --publish`: a recording onto the wire, for real."""
+
+import importlib.util
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
+
+from live_ros import Program
+from rclpy.serialization import deserialize_message
+from rosgraph_msgs.msg import Clock
+
+from lsc_pose_ros.core.frame import Frame
+from lsc_pose_ros.data.recording import RawMessage, RecordingWriter, read_messages
+from lsc_pose_ros.ros.listener import open_listener
+from lsc_pose_ros.ros.player import _qos
+
+IMAGE = 'sensor_msgs/msg/Image'
+CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'
+CLOUD = 'sensor_msgs/msg/PointCloud2'
+CLOCK = 'rosgraph_msgs/msg/Clock'
+TOPICS = {
+    '/depth/image': IMAGE,
+    '/depth/camera_info': CAMERA_INFO,
+    '/mask': IMAGE,
+    '/ground_truth/skeletons': CLOUD,
+}
+
+
+@pytest.fixture
+def play(start: Callable[..., Program], labelled_recording: Path) -> Callable[..., Program]:
+    def begin(*words: object, recording: Path = labelled_recording) -> Program:
+        return start('-m', 'lsc_pose_ros', 'replay', recording, '--publish', *words)
+
+    return begin
+
+
+def of(messages: list[RawMessage], topic: str) -> list[bytes]:
+    return [message.data for message in messages if message.topic == topic]
+
+
+def same(received: list[bytes], recorded: list[bytes]) -> bool:
+    """Whether the messages are the same; the wire pads them to a multiple of 4 bytes."""
+    padded = [data[4:] + bytes(-len(data) % 4) for data in recorded]
+    return [data[4:] for data in received] == padded
+
+
+def test_every_message_arrives_as_it_was_recorded(
+    play: Callable[..., Program], labelled_recording: Path
+) -> None:
+    recorded = list(read_messages(labelled_recording))
+    with open_listener(TOPICS) as listener:
+        player = play('--wait-for', 30)
+        assert player.ends() == 0, player.output
+        assert listener.wait_for_messages(len(recorded), 5)
+    for topic in TOPICS:
+        assert same(of(listener.received, topic), of(recorded, topic)), topic
+    assert f'{len(recorded)} messages published' in player.output
+
+
+@pytest.mark.parametrize('rate', [0.5, 3.0])
+def test_pace_is_that_of_the_recording_times_the_rate(
+    play: Callable[..., Program], labelled_recording: Path, rate: float
+) -> None:
+    recorded = [each for each in read_messages(labelled_recording) if each.topic == '/mask']
+    with open_listener(TOPICS) as listener:
+        assert play('--wait-for', 30, '--rate', rate).ends(seconds=30) == 0
+        times = [each.log_time for each in listener.received if each.topic == '/mask']
+    seconds = (recorded[-1].log_time - recorded[0].log_time) * 1e-9 / rate
+    assert (times[-1] - times[0]) * 1e-9 == pytest.approx(seconds, abs=0.1)
+
+
+def test_clock_tells_the_recorded_time(
+    play: Callable[..., Program], labelled_recording: Path
+) -> None:
+    recorded = [each.log_time for each in read_messages(labelled_recording)]
+    with open_listener({'/clock': CLOCK, **TOPICS}) as listener:
+        assert play('--wait-for', 30, '--clock', '--rate', 0.2).ends() == 0
+        received = list(listener.received)
+    clocks = [deserialize_message(data, Clock).clock for data in of(received, '/clock')]
+    times = [clock.sec * 10**9 + clock.nanosec for clock in clocks]
+    assert times == sorted(times)
+    assert min(recorded) <= times[0]
+    assert times[-1] == max(recorded)
+    assert len(set(times)) > len(set(recorded)) * 2  # it goes on between the frames
+
+
+def test_without_clock_there_is_none(play: Callable[..., Program]) -> None:
+    with open_listener({'/clock': CLOCK, **TOPICS}) as listener:
+        assert play('--wait-for', 30).ends() == 0
+        assert of(listener.received, '/clock') == []
+
+
+def test_topics_can_be_renamed(play: Callable[..., Program], labelled_recording: Path) -> None:
+    topics = {'/kinect/depth': IMAGE, '/depth/camera_info': CAMERA_INFO, '/mask': IMAGE}
+    with open_listener(topics) as listener:
+        words = ('--wait-for', 30, '--remap', '/depth/image:=/kinect/depth')
+        assert play(*words).ends() == 0
+        assert listener.wait_for_messages(30, 5)
+    recorded = list(read_messages(labelled_recording))
+    assert same(of(listener.received, '/kinect/depth'), of(recorded, '/depth/image'))
+
+
+def test_loop_goes_on_until_it_is_stopped(
+    play: Callable[..., Program], labelled_recording: Path
+) -> None:
+    count = len(of(list(read_messages(labelled_recording)), '/mask'))
+    with open_listener({'/mask': IMAGE, '/depth/image': IMAGE}) as listener:
+        player = play('--loop', '--rate', 5)
+        assert listener.wait_for_messages(2 * 3 * count, 30)
+        assert player.ends(signal.SIGINT) == 130
+        masks = of(listener.received, '/mask')
+    assert masks[:count] == masks[count : 2 * count]
+
+
+@pytest.mark.parametrize(('number', 'status'), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_signal_ends_the_player_at_once_and_quietly(
+    play: Callable[..., Program],
+    number: signal.Signals,
+    status: int,
+) -> None:
+    with open_listener(TOPICS) as listener:
+        player = play('--wait-for', 30, '--rate', 0.02)
+        assert listener.wait_for_messages(1, 30)
+        begin = time.monotonic()
+        assert player.ends(number) == status
+    assert time.monotonic() - begin < 2
+    assert 'Traceback' not in player.output
+    assert 'error' not in player.output
+
+
+def test_nobody_who_listens(play: Callable[..., Program]) -> None:
+    player = play('--wait-for', 0.5)
+    assert player.ends() == 2
+    assert 'no subscriber to /depth/image, /depth/camera_info, /mask' in player.output
+    assert 'start pose_node first' in player.output
+
+
+def test_topic_that_is_not_there_cannot_be_renamed(play: Callable[..., Program]) -> None:
+    player = play('--remap', '/nothing:=/something')
+    assert player.ends() == 2
+    assert 'no topic /nothing' in player.output
+    assert '/depth/image' in player.output
+
+
+def test_types_that_are_not_installed_are_left_out_with_a_warning(
+    play: Callable[..., Program],
+    simple_frames: list[Frame],
+    tmp_path: Path,
+) -> None:
+    path = tmp_path / 'odd.mcap'
+    with RecordingWriter(path) as writer:
+        for frame in simple_frames:
+            writer.write_frame(frame)
+            writer.write('/map', 'nav_msgs/msg/MapMetaData', frame.stamp, bytes(100))
+    with open_listener(TOPICS) as listener:
+        player = play('--wait-for', 30, recording=path)
+        assert player.ends() == 0, player.output
+        assert listener.wait_for_messages(4 * len(simple_frames), 5)
+    # It is installed where a whole ROS is sourced.
+    left_out = importlib.util.find_spec('nav_msgs') is None
+    warning = '/map is not played: the package of nav_msgs/msg/MapMetaData is not installed'
+    assert (warning in player.output) == left_out
+
+
+@pytest.mark.parametrize(
+    'offered',
+    [
+        '- history: 3\n  depth: 1\n  reliability: 1\n  durability: 1\n',
+        '  durability: transient_local',
+    ],
+)
+def test_what_was_latched_is_latched_again(offered: str) -> None:
+    assert _qos(offered).durability.name == 'TRANSIENT_LOCAL'
+    assert _qos(offered).depth >= 100
+
+
+@pytest.mark.parametrize('offered', ['', '  durability: 2\n', '  durability: volatile', 'x'])
+def test_what_was_not_latched_is_not(offered: str) -> None:
+    assert _qos(offered).durability.name == 'VOLATILE'
+    assert _qos(offered).reliability.name == 'RELIABLE'
+
+
+def test_without_ros_the_player_says_how_to_get_it(
+    start: Callable[..., Program], labelled_recording: Path
+) -> None:
+    code = (
+        'import sys; sys.modules["rclpy"] = None\n'
+        'from lsc_pose_ros.cli.main import main\n'
+        f'sys.exit(main(["replay", {str(labelled_recording)!r}, "--publish"]))'
+    )
+    player = start('-c', code)
+    assert player.ends() == 2
+    assert 'pip install lsc_pose_ros[ros]' in player.output

@@ -1,0 +1,404 @@
+"""The live node: real messages in, real messages out, in a process of its own."""
+
+import re
+import signal
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
+
+from live_ros import Camera, Ear, Program, wait_until
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import CompressedImage, Image, PointField
+from visualization_msgs.msg import Marker
+
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.frame import NO_BODY, Frame
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data.recording import RecordingWriter, open_frames
+from lsc_pose_ros.data.recording.serialise import camera_info_message, mask_message
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+
+FRAMES = 30
+SLOW_NODE = Path(__file__).parent / 'slow_node.py'
+DEFAULT_CAMERA = Path(__file__).parent / 'default_camera.py'
+
+
+def generate(folder: Path, **settings: object) -> list[Frame]:
+    """Synthetic frames as a recording gives them, depth from whole millimetres."""
+    small = {'frames': FRAMES, 'seed': 9, 'width': 160, 'height': 120, 'distance': (1.8, 2.6)}
+    with RecordingWriter(folder / 'generated.mcap') as writer:
+        for frame in synthetic_frames(SyntheticSettings(**(small | settings))):
+            writer.write_frame(frame)
+    return list(open_frames(folder / 'generated.mcap'))
+
+
+@pytest.fixture(scope='module')
+def frames(tmp_path_factory: pytest.TempPathFactory) -> list[Frame]:
+    """One person."""
+    return generate(tmp_path_factory.mktemp('one'))
+
+
+@pytest.fixture(scope='module')
+def pairs(tmp_path_factory: pytest.TempPathFactory) -> list[Frame]:
+    """Two people."""
+    return generate(tmp_path_factory.mktemp('two'), people=2, frames=10)
+
+
+@pytest.fixture(scope='module')
+def model(small_model_file: Path) -> Model:
+    """The model as the node reads it; a file holds half the digits."""
+    return load_model(small_model_file)
+
+
+def assert_equal(found: Skeletons, expected: Skeletons) -> None:
+    for name in Skeletons._fields:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name)
+
+
+def offline(model: Model, frames: list[Frame]) -> dict[int, Skeletons]:
+    estimator = Estimator(model)
+    return {
+        frame.stamp: estimator.estimate(frame.depth, frame.labels, frame.camera)
+        for frame in frames
+    }
+
+
+def later(frames: list[Frame], seconds: int) -> list[Frame]:
+    return [frame._replace(stamp=frame.stamp + seconds * 10**9) for frame in frames]
+
+
+def meet(camera: Camera, ear: Ear) -> None:
+    camera.wait_for_node()
+    ear.wait_for_node()
+
+
+def test_every_frame_is_answered_as_offline(
+    start_node: Callable[..., Program],
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+    model: Model,
+) -> None:
+    node = start_node()
+    meet(camera, ear)
+    for frame in frames:
+        camera.send(frame)
+        time.sleep(1 / 15)
+    assert ear.wait_for(len(frames), 10), node.output
+    expected = offline(model, frames)
+    found = ear.skeletons
+    assert list(found) == [frame.stamp for frame in frames]
+    for stamp, skeletons in found.items():
+        assert_equal(skeletons, expected[stamp])
+    assert np.isfinite([each.positions for each in found.values()]).any()
+    assert {cloud.header.frame_id for cloud in ear.clouds} == {frames[0].frame_id}
+    assert node.ends(signal.SIGINT) == 0
+    assert 'WARN' not in node.output
+    assert 'ERROR' not in node.output
+
+
+def test_messages_are_as_promised(
+    start_node: Callable[..., Program],
+    camera: Camera,
+    ear: Ear,
+    pairs: list[Frame],
+    model: Model,
+) -> None:
+    start_node(marker_lifetime=1.5)
+    meet(camera, ear)
+    both, nobody = pairs[0], pairs[2]._replace(labels=np.full_like(pairs[0].labels, NO_BODY))
+    only_second = pairs[1]._replace(labels=np.where(pairs[1].labels == 2, 2, NO_BODY))
+    for count, frame in enumerate((both, only_second, nobody), 1):
+        camera.send(frame)
+        assert ear.wait_for(count)
+    first, second, third = ear.clouds
+    joints = len(model.joints)
+    assert [(f.name, f.offset, f.datatype, f.count) for f in first.fields] == [
+        ('x', 0, PointField.FLOAT32, 1),
+        ('y', 4, PointField.FLOAT32, 1),
+        ('z', 8, PointField.FLOAT32, 1),
+        ('confidence', 12, PointField.FLOAT32, 1),
+        ('body', 16, PointField.UINT16, 1),
+        ('joint', 18, PointField.UINT16, 1),
+    ]
+    assert (first.height, first.width, first.point_step) == (2, joints, 20)
+    assert first.row_step == 20 * joints
+    assert len(first.data) == 2 * first.row_step
+    assert (second.height, second.width) == (1, joints)
+    assert (third.height, third.width, len(third.data)) == (0, joints, 0)
+    assert third.header.stamp.sec * 10**9 + third.header.stamp.nanosec == nobody.stamp
+
+    drawn, less, none = (message.markers for message in ear.markers)
+    kinds = {(each.id, each.type, each.action) for each in drawn}
+    assert kinds == {
+        (body, kind, Marker.ADD)
+        for body in (1, 2)
+        for kind in (Marker.SPHERE_LIST, Marker.LINE_LIST)
+    }
+    for marker in drawn:
+        assert marker.header == first.header
+        assert len(marker.points) == len(marker.colors) > 0
+        assert (marker.lifetime.sec, marker.lifetime.nanosec) == (1, 500_000_000)
+    deleted = {(each.id, each.ns) for each in less if each.action == Marker.DELETE}
+    assert deleted == {(each.id, each.ns) for each in drawn if each.id == 1}
+    assert {each.id for each in less if each.action == Marker.ADD} == {2}
+    assert {(each.id, each.action) for each in none} == {(2, Marker.DELETE)}
+
+
+def test_person_who_is_hardly_seen_is_nan_without_markers(
+    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+) -> None:
+    start_node()
+    meet(camera, ear)
+    labels = np.full_like(frames[0].labels, NO_BODY)
+    labels[50:53, 70:73] = 4
+    camera.send(frames[0]._replace(labels=labels))
+    assert ear.wait_for(1)
+    (skeletons,) = ear.skeletons.values()
+    assert skeletons.bodies.tolist() == [4]
+    assert np.isnan(skeletons.positions).all()
+    assert (skeletons.confidence == 0).all()
+    assert not ear.clouds[0].is_dense
+    assert {each.action for each in ear.markers[0].markers} == {Marker.DELETE}
+
+
+def test_mask_slower_and_later_than_depth(
+    start_node: Callable[..., Program],
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+    model: Model,
+) -> None:
+    start_node()
+    meet(camera, ear)
+    delay = 6
+    masked = frames[: FRAMES - delay : 3]
+    for number, frame in enumerate(frames):
+        camera.send_depth(frame)
+        if number >= delay and number % 3 == 0:
+            camera.send_mask(frames[number - delay])
+        time.sleep(1 / 30)
+    assert ear.wait_for(len(masked), 10)
+    expected = offline(model, masked)
+    assert list(ear.skeletons) == list(expected)
+    for stamp, skeletons in ear.skeletons.items():
+        assert_equal(skeletons, expected[stamp])
+
+
+def test_bad_messages_are_named_and_the_next_frame_is_answered(
+    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+) -> None:
+    node = start_node()
+    meet(camera, ear)
+    good = frames[0]
+
+    camera.depth.publish(stamped(Image(encoding='rgb8', height=1, width=1), frames[1].stamp))
+    camera.camera_info.publish(camera_info_message(1, 'c', good.camera, good.depth.shape))
+    camera.send_mask(frames[1])
+    assert node.says("/depth/image: depth image: unknown encoding 'rgb8'", 10), node.output
+
+    camera.send_depth(frames[2])
+    camera.send_mask(frames[2]._replace(labels=frames[2].labels[:60]))
+    assert node.says('/mask: it is for 160 x 60 pixels', 10), node.output
+
+    camera.send(frames[3]._replace(camera=good.camera._replace(fx=0.0, fy=0.0)))
+    assert node.says('/depth/camera_info: the matrix K', 10), node.output
+
+    camera.send(good._replace(stamp=frames[4].stamp))
+    assert ear.wait_for(1, 10), node.output
+    assert list(ear.skeletons) == [frames[4].stamp]
+    assert 'Traceback' not in node.output
+
+
+def stamped(image: Image, stamp: int) -> Image:
+    image.header.stamp.sec, image.header.stamp.nanosec = divmod(stamp, 10**9)
+    return image
+
+
+def test_same_trouble_is_not_logged_with_every_frame(
+    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+) -> None:
+    node = start_node()
+    meet(camera, ear)
+    for frame in frames:
+        camera.send(frame._replace(camera=frame.camera._replace(fx=0.0)))
+        time.sleep(0.03)
+    assert node.says('the matrix K', 10)
+    assert node.output.count('the matrix K') == 1
+
+
+def test_recording_that_is_played_twice_is_answered_twice(
+    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+) -> None:
+    node = start_node()
+    meet(camera, ear)
+    for count, frame in enumerate([*frames, *frames], 1):
+        camera.send(frame)
+        assert ear.wait_for(count, 10), (count, node.output)
+    assert node.says('went back', 10)
+
+
+@pytest.fixture
+def slow_node(
+    start: Callable[..., Program], small_model_file: Path
+) -> Iterator[Callable[[float], Program]]:
+    def begin(seconds: float) -> Program:
+        model = f'model:={small_model_file}'
+        node = start(SLOW_NODE, seconds, '--ros-args', '-p', model, '-p', 'sync_queue:=1000')
+        assert node.says('ready')
+        return node
+
+    return begin
+
+
+def resident_bytes(pid: int) -> int:
+    status = Path(f'/proc/{pid}/status').read_text()
+    return int(re.search(r'VmRSS:\s*(\d+) kB', status)[1]) * 1024
+
+
+def test_overload_newest_wins_and_memory_does_not_grow(
+    slow_node: Callable[[float], Program], camera: Camera, ear: Ear, tmp_path: Path
+) -> None:
+    frames = generate(tmp_path, frames=60, width=320, height=240, rate=100.0)
+    flood = [*frames, *later(frames, 1), *later(frames, 2), *later(frames, 3)]
+    node = slow_node(0.25)
+    meet(camera, ear)
+    for frame in frames[:30]:  # so that all buffers have been in use
+        camera.send(frame._replace(stamp=frame.stamp - 10**9))
+        time.sleep(0.01)
+    before = resident_bytes(node.pid)
+    begin = time.monotonic()
+    for frame in flood:
+        camera.send(frame)
+        time.sleep(0.01)
+    seconds = time.monotonic() - begin
+    last = flood[-1].stamp
+    assert wait_until(lambda: last in ear.skeletons, 5), node.output
+    answered = list(ear.skeletons)
+    assert answered == sorted(answered)
+    assert len(answered) <= seconds / 0.25 + 10
+    # 240 frames of depth and mask are 55 MB.
+    assert resident_bytes(node.pid) - before < 20e6
+    assert node.says('frames were left out because newer ones came', 10), node.output
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+def test_signal_ends_the_node_at_once_and_quietly(
+    slow_node: Callable[[float], Program],
+    camera: Camera,
+    frames: list[Frame],
+    number: signal.Signals,
+) -> None:
+    node = slow_node(0.2)
+    camera.wait_for_node()
+    for frame in frames[:10]:  # it is at work when the signal comes
+        camera.send(frame)
+        time.sleep(0.01)
+    begin = time.monotonic()
+    assert node.ends(number) == 0
+    assert time.monotonic() - begin < 2
+    assert 'Traceback' not in node.output
+    assert 'rror' not in node.output
+
+
+def test_signal_ends_the_node_while_it_starts(
+    start: Callable[..., Program], small_model_file: Path
+) -> None:
+    node = start(SLOW_NODE, 1, '--ros-args', '-p', f'model:={small_model_file}')
+    assert node.says('compiling')
+    assert node.ends(signal.SIGINT) == 0
+    assert 'Traceback' not in node.output
+
+
+def test_publisher_of_best_effort_does_not_suit_reliable(
+    start_node: Callable[..., Program], probe: Node
+) -> None:
+    node = start_node(reliability='reliable')
+    probe.create_publisher(Image, 'depth/image', qos_profile_sensor_data)
+    assert node.says('/depth/image: a publisher offers an incompatible RELIABILITY', 10)
+    assert 'set the parameter reliability to best_effort' in node.output
+
+
+def test_lost_images_are_told_with_the_remedy(
+    start_node: Callable[..., Program], start: Callable[..., Program]
+) -> None:
+    node = start_node()
+    start(DEFAULT_CAMERA, 12, FASTRTPS_DEFAULT_PROFILES_FILE='')
+    assert node.says('the middleware lost', 20), node.output
+    assert re.search(
+        r'FASTRTPS_DEFAULT_PROFILES_FILE=\S+/config/fastdds_profile\.xml', node.output
+    )
+
+
+def test_silent_topics_are_told(start_node: Callable[..., Program]) -> None:
+    node = start_node()
+    assert node.says('nothing comes on /depth/image (0 publishers)', 10), node.output
+
+
+def test_compressed_depth(
+    start_node: Callable[..., Program],
+    probe: Node,
+    ear: Ear,
+    frames: list[Frame],
+    model: Model,
+) -> None:
+    start_node(depth_transport='compressedDepth')
+    camera = Camera(probe)
+    topic = 'depth/image/compressedDepth'
+    depth = probe.create_publisher(CompressedImage, topic, 10)
+    assert wait_until(depth.get_subscription_count)
+    meet_masks(camera, ear)
+    frame = frames[0]
+    form, data = encode_compressed_depth(np.rint(frame.depth * 1000).astype('<u2'))
+    message = CompressedImage(format=form, data=list(data))
+    message.header.frame_id = frame.frame_id
+    depth.publish(stamped(message, frame.stamp))
+    head = (frame.stamp, frame.frame_id)
+    camera.camera_info.publish(camera_info_message(*head, frame.camera, frame.depth.shape))
+    camera.mask.publish(mask_message(*head, frame.labels))
+    assert ear.wait_for(1, 10)
+    assert_equal(ear.skeletons[frame.stamp], offline(model, [frame])[frame.stamp])
+
+
+def meet_masks(camera: Camera, ear: Ear) -> None:
+    assert wait_until(camera.mask.get_subscription_count)
+    ear.wait_for_node()
+    time.sleep(0.3)
+
+
+def test_topics_are_relative_and_can_be_remapped(
+    start: Callable[..., Program], small_model_file: Path, probe: Node
+) -> None:
+    node = start(
+        *('-m', 'lsc_pose_ros.ros.main', '--ros-args', '-p', f'model:={small_model_file}'),
+        *('-r', '__ns:=/robot', '-r', 'depth/image:=/kinect/depth_rect'),
+    )
+    assert node.says('listening to /kinect/depth_rect, /robot/depth/camera_info, /robot/mask')
+    names = {'/robot/pose_node/skeletons', '/robot/pose_node/joint_markers'}
+    assert wait_until(lambda: names <= {name for name, _ in probe.get_topic_names_and_types()}, 10)
+
+
+def test_without_graph_the_joints_are_those_of_the_estimator_without(
+    start_node: Callable[..., Program],
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+    model: Model,
+) -> None:
+    start_node(graph='false', minimum_confidence=1.0)
+    meet(camera, ear)
+    camera.send(frames[0])
+    assert ear.wait_for(1)
+    alone = Estimator(model, graph=False)
+    expected = alone.estimate(frames[0].depth, frames[0].labels, frames[0].camera)
+    assert_equal(ear.skeletons[frames[0].stamp], expected)
+    assert {each.action for each in ear.markers[0].markers} == {Marker.DELETE}

@@ -1,0 +1,129 @@
+"""The worker: the newest item wins."""
+
+import threading
+import time
+
+import pytest
+
+from lsc_pose_ros.ros.worker import Worker
+
+
+class Slow:
+    """Work that waits to be let go on."""
+
+    def __init__(self) -> None:
+        self.begun = threading.Semaphore(0)
+        self.go_on = threading.Semaphore(0)
+        self.done: list[int] = []
+
+    def __call__(self, item: int) -> None:
+        self.begun.release()
+        assert self.go_on.acquire(timeout=10)
+        self.done.append(item)
+
+
+def ignore(_error: Exception) -> None:
+    pass
+
+
+def wait_for(done: list[int], count: int) -> None:
+    deadline = time.monotonic() + 10
+    while len(done) < count and time.monotonic() < deadline:
+        time.sleep(0.001)
+
+
+def test_newest_item_replaces_those_that_wait() -> None:
+    slow = Slow()
+    worker = Worker(slow, ignore, 'test')
+    worker.start()
+    worker.submit(0)
+    assert slow.begun.acquire(timeout=10)
+    for item in range(1, 1000):
+        worker.submit(item)
+    slow.go_on.release(2)
+    wait_for(slow.done, 2)
+    assert slow.done == [0, 999]
+    assert worker.replaced == 998
+    assert worker.close()
+
+
+def test_every_item_is_worked_on_in_order_where_there_is_time() -> None:
+    done: list[int] = []
+    worker = Worker(done.append, ignore, 'test')
+    worker.start()
+    for item in range(200):
+        worker.submit(item)
+        wait_for(done, item + 1)
+    assert done == list(range(200))
+    assert worker.replaced == 0
+    worker.close()
+
+
+def test_item_submitted_before_the_start_is_worked_on() -> None:
+    done: list[int] = []
+    worker = Worker(done.append, ignore, 'test')
+    worker.submit(7)
+    worker.start()
+    wait_for(done, 1)
+    assert done == [7]
+    worker.close()
+
+
+def test_failure_is_told_and_work_goes_on() -> None:
+    done: list[int] = []
+    errors: list[Exception] = []
+
+    def work(item: int) -> None:
+        if item == 0:
+            raise ValueError(item)
+        done.append(item)
+
+    worker = Worker(work, errors.append, 'test')
+    worker.start()
+    worker.submit(0)
+    deadline = time.monotonic() + 10
+    while not errors and time.monotonic() < deadline:
+        time.sleep(0.001)
+    worker.submit(1)
+    wait_for(done, 1)
+    assert done == [1]
+    assert [str(error) for error in errors] == ['0']
+    worker.close()
+
+
+def test_close_waits_for_the_item_in_work_and_gives_up_the_waiting_one() -> None:
+    slow = Slow()
+    worker = Worker(slow, ignore, 'test')
+    worker.start()
+    worker.submit(0)
+    assert slow.begun.acquire(timeout=10)
+    worker.submit(1)
+    assert not worker.close(timeout=0.05)
+    slow.go_on.release(2)
+    assert worker.close()
+    assert slow.done == [0]
+
+
+@pytest.mark.parametrize('started', [False, True])
+def test_close_without_work(*, started: bool) -> None:
+    worker = Worker(print, ignore, 'test')
+    if started:
+        worker.start()
+    assert worker.close()
+
+
+def test_item_is_not_held_after_the_work() -> None:
+    import weakref  # noqa: PLC0415
+
+    class Item:
+        pass
+
+    gone = threading.Event()
+    worker: Worker[Item] = Worker(lambda _item: None, ignore, 'test')
+    worker.start()
+    item = Item()
+    weakref.finalize(item, gone.set)
+    worker.submit(item)
+    del item
+    assert gone.wait(10)
+    worker.close()
