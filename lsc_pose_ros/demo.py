@@ -85,7 +85,7 @@ def main(words: Sequence[str] | None = None) -> int:
         files = _files(directory)
         outcome = demonstrate(files)
     except InputError as error:
-        _say(f'lsc_pose demo: error: {error}')
+        sys.stderr.write(f'demo: error: {error}\n')
         return command_line.BAD_INPUT
     except KeyboardInterrupt:
         return command_line.INTERRUPTED

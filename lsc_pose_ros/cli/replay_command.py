@@ -154,7 +154,10 @@ def _wait(seconds: float | None, reader: FrameReader, publishing: 'Player') -> N
     topics = [topic for topic in reader.topics[:3] if topic]
     found = publishing.wait_for_subscribers(topics, seconds or _PATIENCE)
     if not found and seconds is not None:
-        msg = f'no subscriber to {", ".join(topics)} within {seconds:g} s; start pose_node first'
+        msg = (
+            f'no subscriber to {", ".join(topics)} within {seconds:g} s; '
+            'start pose_node first, remapped to them'
+        )
         raise InputError(msg)
 
 

@@ -101,7 +101,7 @@ def stage_figures(seen: SeenBody) -> dict[str, Figure]:
         if stage.figure is not None:
             figures[stage.name] = stage.figure()
         else:
-            figures[stage.name] = new_figure(1.2 * _PANEL_WIDTH, 1.2 * _PANEL_HEIGHT)
+            figures[stage.name] = new_figure(1.6 * _PANEL_WIDTH, 1.6 * _PANEL_HEIGHT)
             stage.draw(figures[stage.name].subplots())
     return figures | {SHEET_NAME: stage_sheet(seen)}
 

@@ -97,7 +97,7 @@ def test_answers_are_put_where_their_frames_are(
 def test_directory_that_cannot_be_made(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     (tmp_path / 'file').touch()
     assert demo.main(['--directory', str(tmp_path / 'file' / 'demo')]) == 2
-    assert 'choose another --directory' in capfd.readouterr().out
+    assert 'choose another --directory' in capfd.readouterr().err
 
 
 def test_whole_demonstration_in_small(start: Callable[..., Program], tmp_path: Path) -> None:
