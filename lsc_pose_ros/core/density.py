@@ -1,128 +1,144 @@
 """Parzen densities over votes, and their modes (eq. 14 and 15)."""
 
-import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.falloff import falloff
 from lsc_pose_ros.core.jit import kernel
 
 # A mode is found when a step is shorter than this share of the bandwidth.
 _STANDSTILL = 1e-3
 _MOST_STEPS = 50
+# The skirts of a mode that is known are climbed in vain; so many times a mode they are borne.
+_MOST_CLIMBS = 10
+
+
+# x, y, z in metres, single precision; what is given may be a row of an array as well.
+Point = tuple[np.float32, np.float32, np.float32]
+Place = Point | NDArray[np.float32]
+
+
+class Cloud(NamedTuple):
+    """Weighted points, coordinate by coordinate so that loops over them vectorise.
+
+    Attributes:
+        x, y, z: metres, single precision, shape (M,) each.
+        weight: single precision, shape (M,).
+    """
+
+    x: NDArray[np.float32]
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+    weight: NDArray[np.float32]
 
 
 @kernel
-def density(
-    place: NDArray[np.float32],
-    votes: NDArray[np.float32],
-    weights: NDArray[np.float32],
-    bandwidth: float,
-) -> float:
+def density(place: Place, cloud: Cloud, bandwidth: float) -> np.float32:
     """Return phi(x) = sum over m of w_m exp(-||x - x_m||^2 / h^2) (eq. 14, 15).
+
+    Votes farther than four bandwidths count nothing.
 
     Args:
         place: x, metres, shape (3,).
-        votes: x_m, metres, shape (M, 3).
-        weights: w_m, shape (M,).
+        cloud: the votes x_m and their weights w_m.
         bandwidth: h, metres.
     """
-    total = 0.0
-    scale = -1.0 / (bandwidth * bandwidth)
-    for m in range(votes.shape[0]):
-        dx = place[0] - votes[m, 0]
-        dy = place[1] - votes[m, 1]
-        dz = place[2] - votes[m, 2]
-        total += weights[m] * math.exp(scale * (dx * dx + dy * dy + dz * dz))
+    scale = np.float32(1.0 / (bandwidth * bandwidth))
+    x, y, z = place[0], place[1], place[2]
+    total = np.float32(0)
+    for m in range(cloud.x.shape[0]):
+        dx = cloud.x[m] - x
+        dy = cloud.y[m] - y
+        dz = cloud.z[m] - z
+        total += cloud.weight[m] * falloff(scale * (dx * dx + dy * dy + dz * dz))
     return total
 
 
 @kernel
-def mean_shift(
-    place: NDArray[np.float32],
-    votes: NDArray[np.float32],
-    weights: NDArray[np.float32],
-    bandwidth: float,
-) -> NDArray[np.float32]:
+def mean_shift(place: Place, cloud: Cloud, bandwidth: float) -> Point:
     """Return the votes' mean under a Gaussian at `place`: one step uphill; arguments as `density`.
 
     Where no vote is near, `place` itself.
     """
-    scale = -1.0 / (bandwidth * bandwidth)
-    total, x, y, z = 0.0, 0.0, 0.0, 0.0
-    for m in range(votes.shape[0]):
-        dx = place[0] - votes[m, 0]
-        dy = place[1] - votes[m, 1]
-        dz = place[2] - votes[m, 2]
-        weight = weights[m] * math.exp(scale * (dx * dx + dy * dy + dz * dz))
-        total += weight
-        x += weight * votes[m, 0]
-        y += weight * votes[m, 1]
-        z += weight * votes[m, 2]
-    shifted = place.copy()
-    if total > 1e-30:
-        shifted[0] = x / total
-        shifted[1] = y / total
-        shifted[2] = z / total
-    return shifted
+    scale = np.float32(1.0 / (bandwidth * bandwidth))
+    x, y, z = place[0], place[1], place[2]
+    total, to_x, to_y, to_z = np.float32(0), np.float32(0), np.float32(0), np.float32(0)
+    for m in range(cloud.x.shape[0]):
+        dx = cloud.x[m] - x
+        dy = cloud.y[m] - y
+        dz = cloud.z[m] - z
+        pull = cloud.weight[m] * falloff(scale * (dx * dx + dy * dy + dz * dz))
+        total += pull
+        to_x += pull * dx
+        to_y += pull * dy
+        to_z += pull * dz
+    if total > 0:
+        return x + to_x / total, y + to_y / total, z + to_z / total
+    return x, y, z
 
 
 @kernel
-def squared_distance(first: NDArray[np.float32], second: NDArray[np.float32]) -> float:
+def squared_distance(first: Place, second: Place) -> np.float32:
     """Return the squared distance of two places, shape (3,) each."""
     dx = first[0] - second[0]
     dy = first[1] - second[1]
     dz = first[2] - second[2]
-    return float(dx * dx + dy * dy + dz * dz)
+    return dx * dx + dy * dy + dz * dz
 
 
 @kernel
-def climb(
-    place: NDArray[np.float32],
-    votes: NDArray[np.float32],
-    weights: NDArray[np.float32],
-    bandwidth: float,
-) -> NDArray[np.float32]:
+def climb(place: Place, cloud: Cloud, bandwidth: float) -> Point:
     """Return the mode of the density that mean-shift reaches from `place`, shape (3,)."""
     standstill = (_STANDSTILL * bandwidth) ** 2
+    here = (place[0], place[1], place[2])
     for _ in range(_MOST_STEPS):
-        shifted = mean_shift(place, votes, weights, bandwidth)
-        moved = squared_distance(place, shifted)
-        place = shifted
+        shifted = mean_shift(here, cloud, bandwidth)
+        moved = squared_distance(here, shifted)
+        here = shifted
         if moved < standstill:
             break
-    return place
+    return here
 
 
 @kernel
-def find_modes(
-    votes: NDArray[np.float32], weights: NDArray[np.float32], bandwidth: float, wanted: int
-) -> NDArray[np.float32]:
+def find_modes(cloud: Cloud, bandwidth: float, wanted: int) -> NDArray[np.float32]:
     """Return at most `wanted` modes of the density, the highest start first, shape (n, 3).
 
-    The first climb starts at the vote where the density is largest; the next one at the best of
-    the votes farther than a bandwidth from the modes found. Modes closer than that are one.
+    The first climb starts at the vote where the density is largest. The next one starts at the
+    best of the votes farther than a bandwidth from all starts and all modes before it. Modes
+    closer than a bandwidth are one.
     """
+    count = cloud.x.shape[0]
     modes = np.empty((wanted, 3), np.float32)
     found = 0
-    heights = np.empty(votes.shape[0], np.float64)
-    for m in range(votes.shape[0]):
-        heights[m] = density(votes[m], votes, weights, bandwidth)
-    for _ in range(2 * wanted):
-        if found == wanted or votes.shape[0] == 0:
+    heights = np.empty(count, np.float32)
+    for m in range(count):
+        heights[m] = density(_vote(cloud, m), cloud, bandwidth)
+    near = np.float32(bandwidth * bandwidth)
+    for _ in range(_MOST_CLIMBS * wanted):
+        if found == wanted or count == 0:
             break
-        best = np.argmax(heights)
+        best = int(np.argmax(heights))
         if heights[best] <= 0:
             break
-        mode = climb(votes[best], votes, weights, bandwidth)
-        heights[best] = -1
+        start = _vote(cloud, best)
+        mode = climb(start, cloud, bandwidth)
         known = False
         for k in range(found):
-            known |= squared_distance(mode, modes[k]) < bandwidth * bandwidth
+            known = known or bool(squared_distance(mode, modes[k]) < near)
         if not known:
-            modes[found] = mode
+            modes[found, 0], modes[found, 1], modes[found, 2] = mode
             found += 1
-        for m in range(votes.shape[0]):
-            if squared_distance(votes[m], mode) < bandwidth * bandwidth:
+        heights[best] = -1
+        for m in range(count):
+            vote = _vote(cloud, m)
+            if squared_distance(vote, mode) < near or squared_distance(vote, start) < near:
                 heights[m] = -1
     return modes[:found]
+
+
+@kernel
+def _vote(cloud: Cloud, m: int) -> Point:
+    return cloud.x[m], cloud.y[m], cloud.z[m]

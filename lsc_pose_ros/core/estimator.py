@@ -15,7 +15,7 @@ from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.core.silhouette import Silhouette, Window, cut_out, find_silhouette
 from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes
+from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes, votes_for
 
 # Fewer silhouette points than this are specks, not a person.
 FEWEST_POINTS = 30
@@ -186,8 +186,7 @@ def _find_candidates(votes: CastVotes, bandwidth: float, wanted: int) -> Candida
     places = np.full((joints, wanted, 3), np.nan, np.float32)
     counts = np.zeros(joints, np.int64)
     for joint in range(joints):
-        start, end = votes.start[joint], votes.start[joint + 1]
-        modes = find_modes(votes.place[start:end], votes.weight[start:end], bandwidth, wanted)
+        modes = find_modes(votes_for(votes, joint), bandwidth, wanted)
         counts[joint] = modes.shape[0]
         places[joint, : modes.shape[0]] = modes
     return Candidates(places, counts)
@@ -206,11 +205,8 @@ def _confidence(
     """Return which share of the votes' weight supports each place, 0 to 1, shape (J,)."""
     shares = np.zeros(places.shape[0], np.float32)
     for joint in range(places.shape[0]):
-        start, end = votes.start[joint], votes.start[joint + 1]
-        if start == end or np.isnan(places[joint, 0]):
+        cloud = votes_for(votes, joint)
+        if cloud.x.shape[0] == 0 or np.isnan(places[joint, 0]):
             continue
-        weights = votes.weight[start:end]
-        shares[joint] = density(
-            places[joint], votes.place[start:end], weights, bandwidth
-        ) / np.sum(weights)
+        shares[joint] = density(places[joint], cloud, bandwidth) / np.sum(cloud.weight)
     return shares

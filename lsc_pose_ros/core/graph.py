@@ -6,12 +6,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.density import density, mean_shift, squared_distance
+from lsc_pose_ros.core.density import Place, Point, density, mean_shift, squared_distance
 from lsc_pose_ros.core.jit import kernel
-from lsc_pose_ros.core.votes import CastVotes
+from lsc_pose_ros.core.votes import CastVotes, votes_for
 
-# Below this a density counts as this: no candidate is impossible, and the logarithm is finite.
-_FLOOR = 1e-12
+# Below this a density counts as this: no candidate is impossible, and the logarithm is finite. A
+# single vote of full weight has faded to it at 3.7 bandwidths, where the sums are cut off.
+_FLOOR = 1e-6
 _MOST_SWEEPS = 20
 _STANDSTILL = 0.0005
 
@@ -45,34 +46,25 @@ class Candidates(NamedTuple):
 
 
 @kernel
-def log_pair(
-    structure: Structure, pairs: CastVotes, edge: int, offset: NDArray[np.float32]
-) -> float:
+def log_pair(structure: Structure, pairs: CastVotes, edge: int, offset: Place) -> float:
     """Return pair_weight log phi(x_i, x_j) of an edge, `offset` = x_j - x_i in metres (eq. 15).
 
     An edge without votes says nothing: 0.
     """
-    start, end = pairs.start[edge], pairs.start[edge + 1]
-    if start == end:
+    cloud = votes_for(pairs, edge)
+    if cloud.x.shape[0] == 0:
         return 0.0
-    value = density(
-        offset, pairs.place[start:end], pairs.weight[start:end], structure.limb_lengths[edge]
-    )
-    return structure.pair_weight * math.log(max(value, _FLOOR))
+    value = density(offset, cloud, structure.limb_lengths[edge])
+    return structure.pair_weight * math.log(max(float(value), _FLOOR))
 
 
 @kernel
-def log_joint(
-    structure: Structure, votes: CastVotes, joint: int, place: NDArray[np.float32]
-) -> float:
+def log_joint(structure: Structure, votes: CastVotes, joint: int, place: Place) -> float:
     """Return log phi(x_j) of a joint at `place`, metres (eq. 14); 0 for a joint without votes."""
-    start, end = votes.start[joint], votes.start[joint + 1]
-    if start == end:
+    cloud = votes_for(votes, joint)
+    if cloud.x.shape[0] == 0:
         return 0.0
-    value = density(
-        place, votes.place[start:end], votes.weight[start:end], structure.joint_bandwidth
-    )
-    return math.log(max(value, _FLOOR))
+    return math.log(max(float(density(place, cloud, structure.joint_bandwidth)), _FLOOR))
 
 
 @kernel
@@ -98,7 +90,7 @@ def best_candidates(
         for k in range(counts[parent]):
             best, which = -np.inf, 0
             for other in range(counts[child]):
-                offset = places[child, other] - places[parent, k]
+                offset = _offset(places[parent, k], places[child, other])
                 score = scores[child, other] + log_pair(structure, pairs, edge, offset)
                 if score > best:
                     best, which = score, other
@@ -138,13 +130,13 @@ def ascend(
     """
     places = start.copy()
     for _ in range(_MOST_SWEEPS):
-        farthest = 0.0
+        farthest = np.float32(0)
         for joint in range(places.shape[0]):
             if math.isnan(places[joint, 0]):
                 continue
             moved = _uphill(structure, joints, pairs, places, joint)
             farthest = max(farthest, squared_distance(moved, places[joint]))
-            places[joint] = moved
+            places[joint, 0], places[joint, 1], places[joint, 2] = moved
         if farthest < _STANDSTILL * _STANDSTILL:
             break
     return places
@@ -157,32 +149,30 @@ def _uphill(
     pairs: CastVotes,
     places: NDArray[np.float32],
     joint: int,
-) -> NDArray[np.float32]:
-    start, end = joints.start[joint], joints.start[joint + 1]
+) -> Point:
     bandwidth = structure.joint_bandwidth
     precision = 1.0 / (bandwidth * bandwidth)
-    target = np.zeros(3, np.float32)
-    target += np.float32(precision) * mean_shift(
-        places[joint], joints.place[start:end], joints.weight[start:end], bandwidth
-    )
+    place = mean_shift(places[joint], votes_for(joints, joint), bandwidth)
+    x, y, z = precision * place[0], precision * place[1], precision * place[2]
     for edge in range(structure.edges.shape[0]):
         parent, child = structure.edges[edge]
-        first, last = pairs.start[edge], pairs.start[edge + 1]
-        if joint not in (parent, child) or first == last:
+        cloud = votes_for(pairs, edge)
+        if joint not in (parent, child) or cloud.x.shape[0] == 0:
             continue
-        if math.isnan(places[parent, 0]) or math.isnan(places[child, 0]):
+        other = parent if joint == child else child
+        if math.isnan(places[other, 0]):
             continue
         length = structure.limb_lengths[edge]
+        limb = mean_shift(_offset(places[parent], places[child]), cloud, length)
         pull = structure.pair_weight / (length * length)
-        offset = mean_shift(
-            places[child] - places[parent],
-            pairs.place[first:last],
-            pairs.weight[first:last],
-            length,
-        )
-        if joint == child:
-            target += np.float32(pull) * (places[parent] + offset)
-        else:
-            target += np.float32(pull) * (places[child] - offset)
+        side = 1.0 if joint == child else -1.0
+        x += pull * (places[other, 0] + side * limb[0])
+        y += pull * (places[other, 1] + side * limb[1])
+        z += pull * (places[other, 2] + side * limb[2])
         precision += pull
-    return target / np.float32(precision)
+    return np.float32(x / precision), np.float32(y / precision), np.float32(z / precision)
+
+
+@kernel
+def _offset(origin: Place, place: Place) -> Point:
+    return place[0] - origin[0], place[1] - origin[1], place[2] - origin[2]

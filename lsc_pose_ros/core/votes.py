@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.density import Cloud
 from lsc_pose_ros.core.forest import Votes
 from lsc_pose_ros.core.jit import kernel
 
@@ -14,13 +15,22 @@ class CastVotes(NamedTuple):
 
     Attributes:
         start: the votes for target t are start[t] to start[t + 1], shape (targets + 1,).
-        place: an absolute place, or for a pair the child's place relative to its parent, (V, 3).
-        weight: shape (V,).
+        cloud: the votes of all targets: absolute places, or for a pair the child's place relative
+            to its parent's; V of them.
     """
 
     start: NDArray[np.int64]
-    place: NDArray[np.float32]
-    weight: NDArray[np.float32]
+    cloud: Cloud
+
+    @property
+    def place(self) -> NDArray[np.float32]:
+        """The votes' places, shape (V, 3)."""
+        return np.stack([self.cloud.x, self.cloud.y, self.cloud.z], axis=1)
+
+    @property
+    def weight(self) -> NDArray[np.float32]:
+        """The votes' weights, shape (V,)."""
+        return self.cloud.weight
 
 
 class Poll(NamedTuple):
@@ -57,8 +67,8 @@ def cast_votes(
     _collect(votes, leaves, bounds[:-1].copy(), (vote, origin))
     start = np.zeros(poll.targets + 1, np.int64)
     start[1:] = np.cumsum(np.minimum(counts, poll.heaviest))
-    place = np.empty((start[-1], 3), np.float32)
-    weight = np.empty(start[-1], np.float32)
+    x, y, z, weight = np.empty((4, start[-1]), np.float32)
+    scale = np.float32(poll.scale)
     for target in range(poll.targets):
         mine = vote[bounds[target] : bounds[target + 1]]
         kept = _heaviest(votes.weight[mine], poll.heaviest)
@@ -67,9 +77,20 @@ def cast_votes(
             point = origin[bounds[target] + kept[n]]
             row = start[target] + n
             weight[row] = votes.weight[entry]
-            for axis in range(3):
-                place[row, axis] = origins[point, axis] + poll.scale * votes.offset[entry, axis]
-    return CastVotes(start, place, weight)
+            x[row] = origins[point, 0] + scale * votes.offset[entry, 0]
+            y[row] = origins[point, 1] + scale * votes.offset[entry, 1]
+            z[row] = origins[point, 2] + scale * votes.offset[entry, 2]
+    return CastVotes(start, Cloud(x, y, z, weight))
+
+
+@kernel
+def votes_for(cast: CastVotes, target: int) -> Cloud:
+    """Return the votes for one target; they are not copied."""
+    start, end = cast.start[target], cast.start[target + 1]
+    cloud = cast.cloud
+    return Cloud(
+        cloud.x[start:end], cloud.y[start:end], cloud.z[start:end], cloud.weight[start:end]
+    )
 
 
 @kernel

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.density import climb, squared_distance
+from lsc_pose_ros.core.density import Cloud, climb, squared_distance
 from lsc_pose_ros.core.forest import Votes
 from lsc_pose_ros.core.jit import kernel, parallel_kernel
 from lsc_pose_ros.learning.growth import Tree
@@ -142,18 +142,19 @@ def largest_clusters(
     """
     step = max(1, -(-offsets.shape[0] // settings.most_samples))
     thinned = offsets[::step].copy()
-    ones = np.ones(thinned.shape[0], np.float32)
+    x, y, z = thinned.T.copy()
+    cloud = Cloud(x, y, z, np.ones(thinned.shape[0], np.float32))
     centres = np.empty_like(thinned)
     sizes = np.zeros(thinned.shape[0], np.float32)
     found = 0
     near = (0.5 * settings.bandwidth) ** 2
     for n in range(thinned.shape[0]):
-        mode = climb(thinned[n], thinned, ones, settings.bandwidth)
+        mode = climb(thinned[n], cloud, settings.bandwidth)
         k = 0
         while k < found and squared_distance(mode, centres[k]) > near:
             k += 1
         if k == found:
-            centres[found] = mode
+            centres[found, 0], centres[found, 1], centres[found, 2] = mode
             found += 1
         sizes[k] += 1
     largest = np.argsort(-sizes[:found], kind='mergesort')[: settings.clusters]

@@ -3,33 +3,39 @@ import itertools
 import numpy as np
 import pytest
 
+from lsc_pose_ros.core.density import Cloud
 from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
 from lsc_pose_ros.core.votes import CastVotes
 
 # Two trees, as the paper has them: 0 - (1, 2 - 3) and 4 - 5.
 EDGES = np.array([[0, 1], [0, 2], [2, 3], [4, 5]], np.int32)
 JOINTS = 6
-FLOOR = 1e-12
+FLOOR = 1e-6
 
 
-def cast(rng: np.random.Generator, targets: int, empty: int | None = None) -> CastVotes:
-    counts = rng.integers(5, 40, targets)
+def cast_votes(start: list[int], place: np.ndarray, weight: np.ndarray) -> CastVotes:
+    columns = np.ascontiguousarray(place.T.astype(np.float32))
+    return CastVotes(np.array(start), Cloud(*columns, weight.astype(np.float32)))
+
+
+def cast(rng: np.random.Generator, centres: np.ndarray, empty: int | None) -> CastVotes:
+    """Return votes around `centres`, (targets, 3), none for the target `empty`."""
+    counts = rng.integers(5, 40, len(centres))
     if empty is not None:
         counts[empty] = 0
     start = np.concatenate([[0], np.cumsum(counts)])
-    centres = np.repeat(rng.normal(0, 0.3, (targets, 3)), counts, axis=0)
-    return CastVotes(
-        start,
-        (centres + rng.normal(0, 0.08, centres.shape)).astype(np.float32),
-        rng.random(int(start[-1])).astype(np.float32),
-    )
+    place = np.repeat(centres, counts, axis=0) + rng.normal(0, 0.08, (start[-1], 3))
+    return cast_votes(start, place, rng.random(start[-1]))
 
 
 def problem(
     seed: int, *, empty_joint: int | None = None, empty_edge: int | None = None
 ) -> tuple[Structure, CastVotes, CastVotes, Candidates]:
+    """Return joints, limbs that roughly fit them, and two candidates a joint among its votes."""
     rng = np.random.default_rng(seed)
-    joints, pairs = cast(rng, JOINTS, empty_joint), cast(rng, len(EDGES), empty_edge)
+    centres = rng.normal(0, 0.3, (JOINTS, 3))
+    limbs = centres[EDGES[:, 1]] - centres[EDGES[:, 0]] + rng.normal(0, 0.1, (len(EDGES), 3))
+    joints, pairs = cast(rng, centres, empty_joint), cast(rng, limbs, empty_edge)
     structure = Structure(EDGES, rng.uniform(0.1, 0.5, len(EDGES)).astype(np.float32), 0.07, 1.5)
     places = rng.normal(0, 0.3, (JOINTS, 2, 3)).astype(np.float32)
     counts = rng.integers(1, 3, JOINTS)
@@ -47,7 +53,8 @@ def log_sum(place: np.ndarray, votes: CastVotes, target: int, h: float) -> float
     if not len(votes.weight[mine]):
         return 0.0
     squared = ((votes.place[mine].astype(float) - place) ** 2).sum(axis=1)
-    return float(np.log(max((votes.weight[mine] * np.exp(-squared / h**2)).sum(), FLOOR)))
+    share = np.where(squared < 16 * h**2, np.exp(-squared / h**2), 0)
+    return float(np.log(max((votes.weight[mine] * share).sum(), FLOOR)))
 
 
 def log_g(
@@ -121,14 +128,9 @@ def test_ascent_leaves_out_joints_that_are_unknown() -> None:
 
 def test_the_pair_density_decides_between_equal_candidates() -> None:
     """A child has two equally likely places; only one is a limb's length from its parent."""
-    joints = CastVotes(
-        np.array([0, 1, 3]),
-        np.array([[0, 0, 2], [0.3, 0, 2], [-0.3, 0, 2]], np.float32),
-        np.ones(3, np.float32),
-    )
-    pairs = CastVotes(
-        np.array([0, 1]), np.array([[-0.3, 0, 0]], np.float32), np.ones(1, np.float32)
-    )
+    places = np.array([[0, 0, 2], [0.3, 0, 2], [-0.3, 0, 2]])
+    joints = cast_votes([0, 1, 3], places, np.ones(3))
+    pairs = cast_votes([0, 1], np.array([[-0.3, 0, 0]]), np.ones(1))
     structure = Structure(np.array([[0, 1]], np.int32), np.array([0.3], np.float32), 0.07, 1.0)
     places = np.array([[[0, 0, 2], [0, 0, 0]], [[0.3, 0, 2], [-0.3, 0, 2]]], np.float32)
     chosen = best_candidates(structure, joints, pairs, Candidates(places, np.array([1, 2])))
