@@ -1,6 +1,12 @@
-"""The 3-D Local Shape Context of silhouette points (paper, section 2.2)."""
+"""The 3-D Local Shape Context of silhouette points (paper, section 2.2).
+
+`plain/descriptor.py` says the same as its equations read. Here the work on a point is cut into
+passes: gather the points in reach, measure them all with arithmetic that vectorises, and only then
+scatter their weights over the bins, one by one.
+"""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +22,51 @@ DESCRIPTOR_SIZE = RADIUS_BINS * AZIMUTH_BINS * ZENITH_BINS
 # the values lie (a bin holds 1/360 on average and rarely more than a quarter).
 LEVEL_SCALE = 512.0
 
+# While it is filled, a histogram has a thirteenth azimuth bin, so that the last bin has a neighbour
+# to split with; it is added to the first one in the end.
+_RING = (AZIMUTH_BINS + 1) * ZENITH_BINS
+
+_SINGLE: Any = np.float32
+_ZERO, _HALF, _ONE = map(_SINGLE, (0, 0.5, 1))
+_PI, _HALF_PI = map(_SINGLE, (math.pi, math.pi / 2))
+_PER_AZIMUTH = _SINGLE(AZIMUTH_BINS / (2 * math.pi))
+_PER_ZENITH = _SINGLE(ZENITH_BINS / math.pi)
+
+# Coefficients, the constant first: log2(1 + m) / m for 0 <= m <= 1 and atan(t) / t in s = t^2 for
+# 0 <= t <= 1 (both Chebyshev), acos(v) / sqrt(1 - v) for 0 <= v <= 1 (Abramowitz and Stegun, 4.4.46).
+_LOGARITHM = tuple(map(_SINGLE, (1.442681468, -0.720358773, 0.468658879, -0.301638010, 0.144471096, -0.033822046)))
+_ARC_TANGENT = tuple(map(_SINGLE, (0.999994835, -0.332957110, 0.195346590, -0.120448585, 0.056589985, -0.013130382)))
+_ARC_COSINE = tuple(map(_SINGLE, (1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046, 0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911)))
+
+
+class _Reach(NamedTuple):
+    """The points in reach of one point, relative to it; only the first ones are in use.
+
+    Attributes:
+        x, y, z, squared: offset in metres and its squared length, shape (N,).
+        bits: the memory of `squared` as integers.
+    """
+
+    x: NDArray[np.float32]
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+    squared: NDArray[np.float32]
+    bits: NDArray[np.int32]
+
+
+class _Places(NamedTuple):
+    """Where those points fall in the histogram, shape (N,) each.
+
+    Attributes:
+        bin: the lowest of the eight bins.
+        radius, azimuth, zenith: the share of the weight that goes to the next bin.
+    """
+
+    bin: NDArray[np.int32]
+    radius: NDArray[np.float32]
+    azimuth: NDArray[np.float32]
+    zenith: NDArray[np.float32]
+
 
 @kernel
 def mean_distance(points: NDArray[np.float32]) -> float:
@@ -26,13 +77,12 @@ def mean_distance(points: NDArray[np.float32]) -> float:
     count = len(points)
     if count < 2:
         return 0.0
+    x, y, z = points.T.copy()
     total = 0.0
     for i in range(count - 1):
-        row = 0.0
+        row = _ZERO
         for j in range(i + 1, count):
-            dx = points[j, 0] - points[i, 0]
-            dy = points[j, 1] - points[i, 1]
-            dz = points[j, 2] - points[i, 2]
+            dx, dy, dz = x[j] - x[i], y[j] - y[i], z[j] - z[i]
             row += math.sqrt(dx * dx + dy * dy + dz * dz)
         total += row
     pairs = count * (count - 1) // 2
@@ -40,85 +90,161 @@ def mean_distance(points: NDArray[np.float32]) -> float:
 
 
 @kernel
-def _two_bins(place: float, bins: int) -> tuple[int, int, float]:
-    """Return the two bins around `place` (bin centres are whole numbers), clamped at the ends."""
-    if place <= 0:
-        return 0, 0, 0.0
-    if place >= bins - 1:
-        return bins - 1, bins - 1, 0.0
-    low = int(place)
-    return low, low + 1, place - low
-
-
-@kernel
 def describe(
-    points: NDArray[np.float32], radius: float, inner_radius: float
-) -> NDArray[np.float32]:
-    """Return the 3DLSC histogram of each point, shape (N, 360), rows summing to 1 (eq. 3, 4).
+    points: NDArray[np.float32],
+    centres: NDArray[np.int64],
+    radius: float,
+    inner_radius: float,
+) -> NDArray[np.uint8]:
+    """Return the 3DLSC descriptors of some of the points as levels, shape (Q, 360) (eq. 3, 4).
 
     The bins are radius x azimuth x zenith. Every other point within `radius` adds the weight 1,
     split over the two nearest bin centres of each dimension: the logarithm of the distance, the
-    azimuth in the image plane (it wraps), and the zenith against the camera's z axis.
+    azimuth in the image plane (it wraps), and the zenith against the camera's z axis. A level is
+    min(255, round(LEVEL_SCALE sqrt(h))), h the bin's share of all weight; at the border between
+    two levels it may be off by one.
 
     Args:
         points: metres, shape (N, 3).
+        centres: which of the points are described, shape (Q,); all points are their context.
         radius: how far a descriptor reaches, metres.
         inner_radius: the inner limit of the first radius bin, as a share of `radius`; what is
             nearer counts there.
     """
-    count = points.shape[0]
-    histograms = np.zeros((count, DESCRIPTOR_SIZE), np.float32)
-    per_log = RADIUS_BINS / -math.log(inner_radius)
-    for i in range(count):
-        total = 0
-        for j in range(count):
-            dx = points[j, 0] - points[i, 0]
-            dy = points[j, 1] - points[i, 1]
-            dz = points[j, 2] - points[i, 2]
-            squared = dx * dx + dy * dy + dz * dz
-            # Two points in one place have no direction between them.
-            if squared > radius * radius or squared == 0:
-                continue
-            distance = math.sqrt(squared)
-            _add(
-                histograms[i],
-                RADIUS_BINS + math.log(distance / radius) * per_log - 0.5,
-                math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi)) - 0.5,
-                math.acos(min(1.0, max(-1.0, dz / distance))) * (ZENITH_BINS / math.pi) - 0.5,
-            )
-            total += 1
-        if total:
-            histograms[i] /= np.float32(total)
-    return histograms
-
-
-@kernel
-def _add(histogram: NDArray[np.float32], radius: float, azimuth: float, zenith: float) -> None:
-    """Split the weight 1 over the eight bins around a place given in bin centres (eq. 4)."""
-    near, far, to_far = _two_bins(radius, RADIUS_BINS)
-    front, back, to_back = _two_bins(zenith, ZENITH_BINS)
-    floor = math.floor(azimuth)
-    to_next = azimuth - floor
-    here = int(floor) % AZIMUTH_BINS
-    following = (here + 1) % AZIMUTH_BINS
-    for r in range(2):
-        radius_bin, radius_weight = (far, to_far) if r else (near, 1 - to_far)
-        for a in range(2):
-            azimuth_bin, azimuth_weight = (following, to_next) if a else (here, 1 - to_next)
-            row = (radius_bin * AZIMUTH_BINS + azimuth_bin) * ZENITH_BINS
-            weight = radius_weight * azimuth_weight
-            histogram[row + front] += weight * (1 - to_back)
-            histogram[row + back] += weight * to_back
-
-
-@kernel
-def quantise(histograms: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Return descriptors as bytes, min(255, round(LEVEL_SCALE sqrt(h))), shape as given.
-
-    The order of values is kept, so the forest's comparisons (eq. 7) mean the same.
-    """
-    levels = np.empty(histograms.shape, np.uint8)
-    for i in range(histograms.shape[0]):
-        for k in range(histograms.shape[1]):
-            levels[i, k] = min(255.0, LEVEL_SCALE * math.sqrt(histograms[i, k]) + 0.5)
+    count = len(points)
+    x, y, z = points.T.copy()
+    near = np.empty((4, count + 1), np.float32)
+    reach = _Reach(near[0], near[1], near[2], near[3], near[3].view(np.int32))
+    shares = np.empty((3, count), np.float32)
+    places = _Places(np.empty(count, np.int32), shares[0], shares[1], shares[2])
+    histogram = np.empty(RADIUS_BINS * _RING, np.float32)
+    levels = np.empty((len(centres), DESCRIPTOR_SIZE), np.uint8)
+    # log2 of a squared distance, times `per_log`, plus `shift`, counts radius bins.
+    bins_per_octave = RADIUS_BINS / -math.log2(inner_radius)
+    per_log = _SINGLE(0.5 * bins_per_octave)
+    shift = _SINGLE(RADIUS_BINS - 0.5 - math.log2(radius) * bins_per_octave)
+    for q in range(len(centres)):
+        found = _gather(x, y, z, centres[q], _SINGLE(radius * radius), reach)
+        _measure(reach, found, per_log, shift, places)
+        histogram[:] = 0
+        _scatter(places, found, histogram)
+        _to_levels(histogram, found, levels[q])
     return levels
+
+
+@kernel
+def _gather(
+    x: NDArray[np.float32],
+    y: NDArray[np.float32],
+    z: NDArray[np.float32],
+    i: int,
+    farthest: float,
+    reach: _Reach,
+) -> int:
+    """Fill `reach` with what lies within the squared distance `farthest`; return how many."""
+    found = 0
+    for j in range(len(x)):
+        dx, dy, dz = x[j] - x[i], y[j] - y[i], z[j] - z[i]
+        squared = dx * dx + dy * dy + dz * dz
+        # Written in any case and kept or not: half of the points are in reach, and a branch that
+        # cannot be foretold costs more. Points in one place have no direction between them.
+        reach.x[found], reach.y[found], reach.z[found] = dx, dy, dz
+        reach.squared[found] = squared
+        found += (squared <= farthest) & (squared > _ZERO)
+    return found
+
+
+@kernel
+def _measure(
+    reach: _Reach, found: int, per_log: float, shift: float, places: _Places
+) -> None:
+    """Turn offsets into bins and shares, without branches, so that the loop vectorises."""
+    for j in range(found):
+        radius = _log2(reach.bits[j]) * per_log + shift
+        radius = min(max(radius, _ZERO), _SINGLE(RADIUS_BINS - 1))
+        azimuth = _angle(reach.x[j], reach.y[j]) * _PER_AZIMUTH + _SINGLE(AZIMUTH_BINS - 0.5)
+        azimuth -= _SINGLE(AZIMUTH_BINS) if azimuth >= _SINGLE(AZIMUTH_BINS) else _ZERO
+        cosine = reach.z[j] / math.sqrt(reach.squared[j])
+        zenith = _arc_cosine(cosine) * _PER_ZENITH - _HALF
+        zenith = min(max(zenith, _ZERO), _SINGLE(ZENITH_BINS - 1))
+        # The last bin and nothing of a next one is the one before it and all of the next.
+        near = min(np.int32(radius), np.int32(RADIUS_BINS - 2))
+        first = min(np.int32(azimuth), np.int32(AZIMUTH_BINS - 1))
+        front = min(np.int32(zenith), np.int32(ZENITH_BINS - 2))
+        places.radius[j] = radius - _SINGLE(near)
+        places.azimuth[j] = azimuth - _SINGLE(first)
+        places.zenith[j] = zenith - _SINGLE(front)
+        places.bin[j] = near * _RING + first * ZENITH_BINS + front
+
+
+@kernel
+def _scatter(places: _Places, found: int, histogram: NDArray[np.float32]) -> None:
+    """Split the weight 1 of each point over its eight bins (eq. 4)."""
+    for j in range(found):
+        low = places.bin[j]
+        to_far, to_next, to_back = places.radius[j], places.azimuth[j], places.zenith[j]
+        # Eight lines, since a loop over the four corners costs a third more time.
+        weight = (_ONE - to_far) * (_ONE - to_next)
+        histogram[low] += weight * (_ONE - to_back)
+        histogram[low + 1] += weight * to_back
+        weight = (_ONE - to_far) * to_next
+        histogram[low + ZENITH_BINS] += weight * (_ONE - to_back)
+        histogram[low + ZENITH_BINS + 1] += weight * to_back
+        weight = to_far * (_ONE - to_next)
+        histogram[low + _RING] += weight * (_ONE - to_back)
+        histogram[low + _RING + 1] += weight * to_back
+        weight = to_far * to_next
+        histogram[low + _RING + ZENITH_BINS] += weight * (_ONE - to_back)
+        histogram[low + _RING + ZENITH_BINS + 1] += weight * to_back
+
+
+@kernel
+def _to_levels(
+    histogram: NDArray[np.float32], found: int, levels: NDArray[np.uint8]
+) -> None:
+    """Divide by the sum of weights (eq. 3), and quantise."""
+    scale = _SINGLE(LEVEL_SCALE * LEVEL_SCALE / max(found, 1))
+    for r in range(RADIUS_BINS):
+        ring = histogram[r * _RING : (r + 1) * _RING]
+        for k in range(ZENITH_BINS):
+            ring[k] += ring[AZIMUTH_BINS * ZENITH_BINS + k]
+        for k in range(AZIMUTH_BINS * ZENITH_BINS):
+            level = min(_SINGLE(255), math.sqrt(ring[k] * scale) + _HALF)
+            levels[r * AZIMUTH_BINS * ZENITH_BINS + k] = np.uint8(level)
+
+
+@kernel
+def _polynomial(x: Any, coefficients: Any) -> Any:  # noqa: ANN401 - float32 is kept
+    """Return the polynomial's value by Horner's rule; the loop is unrolled."""
+    value = coefficients[-1]
+    for k in range(len(coefficients) - 2, -1, -1):
+        value = coefficients[k] + x * value
+    return value
+
+
+@kernel
+def _log2(bits: Any) -> Any:  # noqa: ANN401 - float32 is kept
+    """Return log2 of the single-precision number with these bits, to 2e-5."""
+    exponent = _SINGLE((bits >> 23) - 127)
+    m = _SINGLE(bits & 0x7FFFFF) * _SINGLE(2.0**-23)
+    return exponent + m * _polynomial(m, _LOGARITHM)
+
+
+@kernel
+def _angle(x: Any, y: Any) -> Any:  # noqa: ANN401 - float32 is kept
+    """Return atan2(y, x), to 6e-6 radians."""
+    long, short = max(abs(x), abs(y)), min(abs(x), abs(y))
+    t = short / max(long, _SINGLE(1e-30))
+    s = t * t
+    angle = t * _polynomial(s, _ARC_TANGENT)
+    angle = _HALF_PI - angle if abs(y) > abs(x) else angle
+    angle = _PI - angle if x < _ZERO else angle
+    return -angle if y < _ZERO else angle
+
+
+@kernel
+def _arc_cosine(cosine: Any) -> Any:  # noqa: ANN401 - float32 is kept
+    """Return acos(cosine), to 1e-6 radians."""
+    v = min(abs(cosine), _ONE)
+    angle = math.sqrt(_ONE - v) * _polynomial(v, _ARC_COSINE)
+    return _PI - angle if cosine < _ZERO else angle

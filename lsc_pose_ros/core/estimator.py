@@ -7,13 +7,19 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.density import density, find_modes
-from lsc_pose_ros.core.descriptor import describe, mean_distance, quantise
+from lsc_pose_ros.core.descriptor import describe, mean_distance
 from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import Settings
-from lsc_pose_ros.core.silhouette import Silhouette, Window, cut_out, find_silhouette
+from lsc_pose_ros.core.silhouette import (
+    Silhouette,
+    Window,
+    choose_uniformly,
+    cut_out,
+    find_silhouette,
+)
 from lsc_pose_ros.core.skeletons import Skeletons
 from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes, votes_for
 
@@ -28,13 +34,20 @@ class Shape(NamedTuple):
         window: the body cut out of the image.
         silhouette: its silhouette.
         scale: rho_bar, metres.
-        histograms: a descriptor a point, shape (N, 360).
+        queries: which of the silhouette's points vote, shape (Q,).
+        levels: the descriptors of those, shape (Q, 360).
     """
 
     window: Window
     silhouette: Silhouette
     scale: float
-    histograms: NDArray[np.float32]
+    queries: NDArray[np.int64]
+    levels: NDArray[np.uint8]
+
+    @property
+    def points(self) -> NDArray[np.float32]:
+        """The points that vote, metres, shape (Q, 3)."""
+        return self.silhouette.points[self.queries]
 
 
 class Stages(NamedTuple):
@@ -83,10 +96,10 @@ def find_shape(
     scale = mean_distance(silhouette.points)
     if scale <= 0:
         return None
-    histograms = describe(
-        silhouette.points, scale * settings.support_radius, settings.inner_radius
-    )
-    return Shape(window, silhouette, scale, histograms)
+    queries = choose_uniformly(len(silhouette.points), settings.query_points)
+    radius = scale * settings.support_radius
+    levels = describe(silhouette.points, queries, radius, settings.inner_radius)
+    return Shape(window, silhouette, scale, queries, levels)
 
 
 class Estimator:
@@ -158,8 +171,8 @@ class Estimator:
 
     def _vote(self, shape: Shape) -> Stages:
         model, settings = self.model, self.model.settings
-        points = shape.silhouette.points
-        leaves = find_leaves(model.forest, quantise(shape.histograms))
+        points = shape.points
+        leaves = find_leaves(model.forest, shape.levels)
         joint_poll = Poll(len(model.joints), settings.heaviest_votes, shape.scale)
         joint_votes = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)
         pair_poll = Poll(len(model.edges), settings.heaviest_votes, shape.scale)

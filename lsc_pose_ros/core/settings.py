@@ -10,6 +10,7 @@ class Settings(NamedTuple):
         smoothing_sigma: sigma of the Gaussian over 3-D distances, metres (eq. 1).
         edge_threshold: t_d, the depth step that makes an edge, metres (eq. 2).
         points: N, how many silhouette points stand for a body.
+        query_points: how many of them vote; the others are only seen by their descriptors.
         support_radius: the descriptor's reach, in units of rho_bar.
         inner_radius: the inner limit of the first radius bin, as a share of the support radius.
         joint_bandwidth: h_j of the joint densities, metres (eq. 14).
@@ -21,6 +22,7 @@ class Settings(NamedTuple):
     smoothing_sigma: float = 0.02
     edge_threshold: float = 0.04
     points: int = 400
+    query_points: int = 400
     support_radius: float = 1.0
     inner_radius: float = 0.1
     joint_bandwidth: float = 0.07

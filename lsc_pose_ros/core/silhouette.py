@@ -7,8 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics, back_project
+from lsc_pose_ros.core.falloff import falloff
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.settings import Settings
+
+
+# No depth is this large, in metres; infinity and NaN are not below it.
+_UNSEEN = np.float32(1e9)
 
 
 class Window(NamedTuple):
@@ -101,6 +106,8 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
 
     Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
     exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points.
+    `plain/silhouette.py` says it pixel by pixel; here a row meets each of its eight neighbours as a
+    whole, so that the loops vectorise.
 
     Args:
         window: the body; its border row and column hold no body.
@@ -111,28 +118,51 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
     smoothed = depth.copy()
     if sigma <= 0:
         return smoothed
-    scale = -0.5 / (sigma * sigma)
+    scale = np.float32(0.5 / (sigma * sigma))
+    count = depth.shape[1] - 2
+    # The directions of the row's pixels: x / z and y / z.
+    right = np.empty(count, np.float32)
+    for j in range(count):
+        right[j] = (window.column + 1 + j - camera.cx) / camera.fx
+    total, weights = np.empty(count, np.float32), np.empty(count, np.float32)
     for i in range(1, depth.shape[0] - 1):
-        for j in range(1, depth.shape[1] - 1):
-            z = depth[i, j]
-            if not math.isfinite(z):
-                continue
-            x = (window.column + j - camera.cx) / camera.fx
-            y = (window.row + i - camera.cy) / camera.fy
-            total, weights = 0.0, 0.0
-            for di in range(-1, 2):
-                for dj in range(-1, 2):
-                    other = depth[i + di, j + dj]
-                    if not math.isfinite(other):
-                        continue
-                    dx = (x + dj / camera.fx) * other - x * z
-                    dy = (y + di / camera.fy) * other - y * z
-                    dz = other - z
-                    weight = math.exp(scale * (dx * dx + dy * dy + dz * dz))
-                    total += weight * other
-                    weights += weight
-            smoothed[i, j] = total / weights
+        down = np.float32((window.row + i - camera.cy) / camera.fy)
+        centre = depth[i, 1 : count + 1]
+        total[:] = centre
+        weights[:] = 1
+        for di in range(-1, 2):
+            for dj in range(-1, 2):
+                if di != 0 or dj != 0:
+                    step = np.float32(dj / camera.fx), np.float32(di / camera.fy)
+                    other = depth[i + di, 1 + dj : count + 1 + dj]
+                    _add_neighbours(centre, other, (right, down), step, scale, (total, weights))
+        for j in range(count):
+            if centre[j] < _UNSEEN:
+                smoothed[i, j + 1] = total[j] / weights[j]
     return smoothed
+
+
+@kernel
+def _add_neighbours(
+    centre: NDArray[np.float32],
+    other: NDArray[np.float32],
+    direction: tuple[NDArray[np.float32], float],
+    step: tuple[float, float],
+    scale: float,
+    sums: tuple[NDArray[np.float32], NDArray[np.float32]],
+) -> None:
+    """Add a row's neighbours, one `step` of direction away, to the weighted sums."""
+    right, down = direction
+    total, weights = sums
+    for j in range(len(centre)):
+        dz = other[j] - centre[j]
+        dx = right[j] * dz + step[0] * other[j]
+        dy = down * dz + step[1] * other[j]
+        weight = falloff(scale * (dx * dx + dy * dy + dz * dz))
+        # Infinity and NaN have gone through the arithmetic; here they are left out.
+        seen = other[j] < _UNSEEN
+        weights[j] += weight if seen else np.float32(0)
+        total[j] += weight * other[j] if seen else np.float32(0)
 
 
 @kernel

@@ -50,7 +50,8 @@ def read_settings(given: object) -> Settings:
     if not (0 < settings.inner_radius < 1 and settings.joint_bandwidth > 0):
         msg = 'its radii or bandwidths are not positive'
         raise UnusableModelError(msg)
-    if min(settings.points, settings.heaviest_votes, settings.candidates) < 1:
+    counts = settings.points, settings.query_points, settings.heaviest_votes, settings.candidates
+    if min(counts) < 1:
         msg = 'it asks for no points, votes or candidates'
         raise UnusableModelError(msg)
     return settings

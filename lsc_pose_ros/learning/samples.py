@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE, quantise
+from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE
 from lsc_pose_ros.core.estimator import bodies_in, find_shape
 from lsc_pose_ros.core.frame import Frame
 from lsc_pose_ros.core.settings import Settings
@@ -62,16 +62,17 @@ def people_in(frame: Frame, joints: NDArray[np.uint16], settings: Settings) -> I
     if frame.truth is None:
         return
     places = select_joints(frame.truth, joints)
+    everyone = settings._replace(query_points=settings.points)
     visible = set(bodies_in(frame.labels).tolist())
     for row, body in enumerate(frame.truth.bodies.tolist()):
         if body not in visible or np.isnan(places[row]).all():
             continue
-        shape = find_shape(frame.depth, frame.labels, body, (frame.camera, settings))
+        shape = find_shape(frame.depth, frame.labels, body, (frame.camera, everyone))
         if shape is not None:
             scale = np.float32(shape.scale)
             yield Person(
-                quantise(shape.histograms),
-                shape.silhouette.points / scale,
+                shape.levels,
+                shape.points / scale,
                 places[row] / scale,
                 shape.scale,
             )

@@ -1,0 +1,122 @@
+"""The descriptor of eq. 3 and 4, pair by pair, bin by bin."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.descriptor import (
+    AZIMUTH_BINS,
+    DESCRIPTOR_SIZE,
+    LEVEL_SCALE,
+    RADIUS_BINS,
+    ZENITH_BINS,
+)
+from lsc_pose_ros.core.jit import kernel
+
+
+@kernel
+def mean_distance(points: NDArray[np.float32]) -> float:
+    """Return rho_bar, the mean distance over all pairs of `points`, shape (N, 3), in metres.
+
+    Fewer than two points have none: 0.
+    """
+    count = len(points)
+    if count < 2:
+        return 0.0
+    total = 0.0
+    for i in range(count - 1):
+        row = 0.0
+        for j in range(i + 1, count):
+            dx = points[j, 0] - points[i, 0]
+            dy = points[j, 1] - points[i, 1]
+            dz = points[j, 2] - points[i, 2]
+            row += math.sqrt(dx * dx + dy * dy + dz * dz)
+        total += row
+    pairs = count * (count - 1) // 2
+    return total / pairs
+
+
+@kernel
+def _two_bins(place: float, bins: int) -> tuple[int, int, float]:
+    """Return the two bins around `place` (bin centres are whole numbers), clamped at the ends."""
+    if place <= 0:
+        return 0, 0, 0.0
+    if place >= bins - 1:
+        return bins - 1, bins - 1, 0.0
+    low = int(place)
+    return low, low + 1, place - low
+
+
+@kernel
+def describe(
+    points: NDArray[np.float32], radius: float, inner_radius: float
+) -> NDArray[np.float32]:
+    """Return the 3DLSC histogram of each point, shape (N, 360), rows summing to 1 (eq. 3, 4).
+
+    The bins are radius x azimuth x zenith. Every other point within `radius` adds the weight 1,
+    split over the two nearest bin centres of each dimension: the logarithm of the distance, the
+    azimuth in the image plane (it wraps), and the zenith against the camera's z axis.
+
+    Args:
+        points: metres, shape (N, 3).
+        radius: how far a descriptor reaches, metres.
+        inner_radius: the inner limit of the first radius bin, as a share of `radius`; what is
+            nearer counts there.
+    """
+    count = points.shape[0]
+    histograms = np.zeros((count, DESCRIPTOR_SIZE), np.float32)
+    per_log = RADIUS_BINS / -math.log(inner_radius)
+    for i in range(count):
+        total = 0
+        for j in range(count):
+            dx = points[j, 0] - points[i, 0]
+            dy = points[j, 1] - points[i, 1]
+            dz = points[j, 2] - points[i, 2]
+            squared = dx * dx + dy * dy + dz * dz
+            # Two points in one place have no direction between them.
+            if squared > radius * radius or squared == 0:
+                continue
+            distance = math.sqrt(squared)
+            _add(
+                histograms[i],
+                RADIUS_BINS + math.log(distance / radius) * per_log - 0.5,
+                math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi)) - 0.5,
+                math.acos(min(1.0, max(-1.0, dz / distance))) * (ZENITH_BINS / math.pi) - 0.5,
+            )
+            total += 1
+        if total:
+            histograms[i] /= np.float32(total)
+    return histograms
+
+
+@kernel
+def _add(histogram: NDArray[np.float32], radius: float, azimuth: float, zenith: float) -> None:
+    """Split the weight 1 over the eight bins around a place given in bin centres (eq. 4)."""
+    near, far, to_far = _two_bins(radius, RADIUS_BINS)
+    front, back, to_back = _two_bins(zenith, ZENITH_BINS)
+    floor = math.floor(azimuth)
+    to_next = azimuth - floor
+    here = int(floor) % AZIMUTH_BINS
+    following = (here + 1) % AZIMUTH_BINS
+    for r in range(2):
+        radius_bin, radius_weight = (far, to_far) if r else (near, 1 - to_far)
+        for a in range(2):
+            azimuth_bin, azimuth_weight = (following, to_next) if a else (here, 1 - to_next)
+            row = (radius_bin * AZIMUTH_BINS + azimuth_bin) * ZENITH_BINS
+            weight = radius_weight * azimuth_weight
+            histogram[row + front] += weight * (1 - to_back)
+            histogram[row + back] += weight * to_back
+
+
+@kernel
+def quantise(histograms: NDArray[np.float32]) -> NDArray[np.uint8]:
+    """Return descriptors as bytes, min(255, round(LEVEL_SCALE sqrt(h))), shape as given.
+
+    The order of values is kept, so the forest's comparisons (eq. 7) mean the same.
+    """
+    levels = np.empty(histograms.shape, np.uint8)
+    for i in range(histograms.shape[0]):
+        for k in range(histograms.shape[1]):
+            levels[i, k] = min(255.0, LEVEL_SCALE * math.sqrt(histograms[i, k]) + 0.5)
+    return levels
