@@ -11,8 +11,8 @@ from lsc_pose_ros.core.jit import kernel
 # A mode is found when a step is shorter than this share of the bandwidth.
 _STANDSTILL = 1e-3
 _MOST_STEPS = 50
-# The skirts of a mode that is known are climbed in vain; so many times a mode they are borne.
-_MOST_CLIMBS = 10
+# Another mode is not looked for where the density is below this share of its largest value.
+FAINT = np.float32(0.1)
 
 
 # x, y, z in metres, single precision; what is given may be a row of an array as well.
@@ -107,8 +107,8 @@ def find_modes(cloud: Cloud, bandwidth: float, wanted: int) -> NDArray[np.float3
     """Return at most `wanted` modes of the density, the highest start first, shape (n, 3).
 
     The first climb starts at the vote where the density is largest. The next one starts at the
-    best of the votes farther than a bandwidth from all starts and all modes before it. Modes
-    closer than a bandwidth are one.
+    best of the votes farther than a bandwidth from all starts and all modes before it, unless the
+    density is too faint there. Modes closer than a bandwidth are one.
     """
     count = cloud.x.shape[0]
     modes = np.empty((wanted, 3), np.float32)
@@ -116,12 +116,11 @@ def find_modes(cloud: Cloud, bandwidth: float, wanted: int) -> NDArray[np.float3
     heights = np.empty(count, np.float32)
     for m in range(count):
         heights[m] = density(_vote(cloud, m), cloud, bandwidth)
+    faint = FAINT * heights.max() if count else np.float32(0)
     near = np.float32(bandwidth * bandwidth)
-    for _ in range(_MOST_CLIMBS * wanted):
-        if found == wanted or count == 0:
-            break
+    while found < wanted and count:
         best = int(np.argmax(heights))
-        if heights[best] <= 0:
+        if heights[best] <= faint:
             break
         start = _vote(cloud, best)
         mode = climb(start, cloud, bandwidth)

@@ -22,8 +22,8 @@ DESCRIPTOR_SIZE = RADIUS_BINS * AZIMUTH_BINS * ZENITH_BINS
 # the values lie (a bin holds 1/360 on average and rarely more than a quarter).
 LEVEL_SCALE = 512.0
 
-# While it is filled, a histogram has a thirteenth azimuth bin, so that the last bin has a neighbour
-# to split with; it is added to the first one in the end.
+# While it is filled, a histogram has a thirteenth azimuth bin, so that the last bin has a
+# neighbour to split with; it is added to the first one in the end.
 _RING = (AZIMUTH_BINS + 1) * ZENITH_BINS
 
 _SINGLE: Any = np.float32
@@ -32,11 +32,29 @@ _PI, _HALF_PI = map(_SINGLE, (math.pi, math.pi / 2))
 _PER_AZIMUTH = _SINGLE(AZIMUTH_BINS / (2 * math.pi))
 _PER_ZENITH = _SINGLE(ZENITH_BINS / math.pi)
 
-# Coefficients, the constant first: log2(1 + m) / m for 0 <= m <= 1 and atan(t) / t in s = t^2 for
-# 0 <= t <= 1 (both Chebyshev), acos(v) / sqrt(1 - v) for 0 <= v <= 1 (Abramowitz and Stegun, 4.4.46).
-_LOGARITHM = tuple(map(_SINGLE, (1.442681468, -0.720358773, 0.468658879, -0.301638010, 0.144471096, -0.033822046)))
-_ARC_TANGENT = tuple(map(_SINGLE, (0.999994835, -0.332957110, 0.195346590, -0.120448585, 0.056589985, -0.013130382)))
-_ARC_COSINE = tuple(map(_SINGLE, (1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046, 0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911)))
+# Coefficients, the constant first, each for arguments from 0 to 1: log2(1 + m) / m, atan(t) / t in
+# t^2 (both Chebyshev), acos(v) / sqrt(1 - v) (Abramowitz and Stegun, 4.4.46).
+_LOGARITHM = tuple(
+    map(_SINGLE, (1.442681468, -0.720358773, 0.468658879, -0.301638010, 0.144471096, -0.033822046))
+)
+_ARC_TANGENT = tuple(
+    map(_SINGLE, (0.999994835, -0.332957110, 0.195346590, -0.120448585, 0.056589985, -0.013130382))
+)
+_ARC_COSINE = tuple(
+    map(
+        _SINGLE,
+        (
+            1.5707963050,
+            -0.2145988016,
+            0.0889789874,
+            -0.0501743046,
+            0.0308918810,
+            -0.0170881256,
+            0.0066700901,
+            -0.0012624911,
+        ),
+    )
+)
 
 
 class _Reach(NamedTuple):
@@ -155,9 +173,7 @@ def _gather(
 
 
 @kernel
-def _measure(
-    reach: _Reach, found: int, per_log: float, shift: float, places: _Places
-) -> None:
+def _measure(reach: _Reach, found: int, per_log: float, shift: float, places: _Places) -> None:
     """Turn offsets into bins and shares, without branches, so that the loop vectorises."""
     for j in range(found):
         radius = _log2(reach.bits[j]) * per_log + shift
@@ -199,9 +215,7 @@ def _scatter(places: _Places, found: int, histogram: NDArray[np.float32]) -> Non
 
 
 @kernel
-def _to_levels(
-    histogram: NDArray[np.float32], found: int, levels: NDArray[np.uint8]
-) -> None:
+def _to_levels(histogram: NDArray[np.float32], found: int, levels: NDArray[np.uint8]) -> None:
     """Divide by the sum of weights (eq. 3), and quantise."""
     scale = _SINGLE(LEVEL_SCALE * LEVEL_SCALE / max(found, 1))
     for r in range(RADIUS_BINS):

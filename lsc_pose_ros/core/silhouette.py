@@ -11,7 +11,6 @@ from lsc_pose_ros.core.falloff import falloff
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.settings import Settings
 
-
 # No depth is this large, in metres; infinity and NaN are not below it.
 _UNSEEN = np.float32(1e9)
 
@@ -106,8 +105,8 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
 
     Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
     exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points.
-    `plain/silhouette.py` says it pixel by pixel; here a row meets each of its eight neighbours as a
-    whole, so that the loops vectorise.
+    `plain/silhouette.py` says it pixel by pixel; here a row meets each of its eight neighbours
+    as a whole, so that the loops vectorise.
 
     Args:
         window: the body; its border row and column hold no body.
@@ -146,9 +145,9 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
 def _add_neighbours(
     centre: NDArray[np.float32],
     other: NDArray[np.float32],
-    direction: tuple[NDArray[np.float32], float],
-    step: tuple[float, float],
-    scale: float,
+    direction: tuple[NDArray[np.float32], np.float32],
+    step: tuple[np.float32, np.float32],
+    scale: np.float32,
     sums: tuple[NDArray[np.float32], NDArray[np.float32]],
 ) -> None:
     """Add a row's neighbours, one `step` of direction away, to the weighted sums."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import project
 from lsc_pose_ros.core.descriptor import AZIMUTH_BINS, RADIUS_BINS, ZENITH_BINS
+from lsc_pose_ros.core.plain.descriptor import describe
 from lsc_pose_ros.pictures.canvas import new_figure
 from lsc_pose_ros.pictures.colours import BORDER, EDGE, FILLING, MIDDLE, RIGHT
 from lsc_pose_ros.pictures.depth_image import draw_depth
@@ -69,7 +70,9 @@ def descriptor_figure(seen: SeenBody) -> Figure:
     parts = figure.subfigures(1, 2, squeeze=False, width_ratios=(0.8, 1.4))
     left, right = parts[0]
     draw_bins(left.subplots(), seen)
-    histogram = seen.shape.histograms[shown_point(seen)]
+    # The picture shows shares; what the forest sees is their levels.
+    histograms = describe(seen.shape.silhouette.points, reach, seen.settings.inner_radius)
+    histogram = histograms[shown_point(seen)]
     filled = histogram.reshape(RADIUS_BINS, AZIMUTH_BINS, ZENITH_BINS)
     grid = right.subplots(2, 3, subplot_kw={'projection': 'polar'}).ravel()
     for zenith, axes in enumerate(grid):

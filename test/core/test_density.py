@@ -3,6 +3,7 @@ import pytest
 
 from lsc_pose_ros.core.density import Cloud, climb, density, find_modes, mean_shift
 from lsc_pose_ros.core.falloff import falloff
+from lsc_pose_ros.core.plain import density as plain
 
 BANDWIDTH = 0.07
 
@@ -57,6 +58,18 @@ def test_density_and_mean_shift_are_equation_14_and_its_uphill_step(seed: int) -
             mean_shift_twin(place, votes, weights, BANDWIDTH),
             atol=1e-5,
         )
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_the_plain_kernels_agree(seed: int) -> None:
+    votes, weights = random_votes(seed)
+    for place in votes[:10] + np.float32(0.02):
+        twin = density_twin(place, votes, weights, BANDWIDTH)
+        assert plain.density(place, votes, weights, BANDWIDTH) == pytest.approx(twin, rel=1e-5)
+    first = plain.find_modes(votes, weights, BANDWIDTH, 2)
+    second = find_modes(cloud(votes, weights), BANDWIDTH, 2)
+    assert len(first) == len(second)
+    np.testing.assert_allclose(first, second, atol=0.01 * BANDWIDTH)
 
 
 def test_far_from_all_votes_the_density_is_zero_and_the_shift_stays() -> None:

@@ -6,10 +6,11 @@ import pytest
 from PIL import Image
 
 from lsc_pose_ros.core.camera import Intrinsics, back_project
-from lsc_pose_ros.core.density import density
-from lsc_pose_ros.core.descriptor import AZIMUTH_BINS, RADIUS_BINS, ZENITH_BINS, describe
+from lsc_pose_ros.core.descriptor import AZIMUTH_BINS, RADIUS_BINS, ZENITH_BINS
 from lsc_pose_ros.core.frame import Frame
 from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.plain.density import density
+from lsc_pose_ros.core.plain.descriptor import describe
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pictures.canvas import png_bytes
 from lsc_pose_ros.pictures.density_picture import line_integral

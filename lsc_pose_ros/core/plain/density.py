@@ -5,6 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.density import FAINT, squared_distance
 from lsc_pose_ros.core.jit import kernel
 
 # A mode is found when a step is shorter than this share of the bandwidth.
@@ -68,15 +69,6 @@ def mean_shift(
 
 
 @kernel
-def squared_distance(first: NDArray[np.float32], second: NDArray[np.float32]) -> float:
-    """Return the squared distance of two places, shape (3,) each."""
-    dx = first[0] - second[0]
-    dy = first[1] - second[1]
-    dz = first[2] - second[2]
-    return float(dx * dx + dy * dy + dz * dz)
-
-
-@kernel
 def climb(
     place: NDArray[np.float32],
     votes: NDArray[np.float32],
@@ -100,29 +92,30 @@ def find_modes(
 ) -> NDArray[np.float32]:
     """Return at most `wanted` modes of the density, the highest start first, shape (n, 3).
 
-    The first climb starts at the vote where the density is largest; the next one at the best of
-    the votes farther than a bandwidth from the modes found. Modes closer than that are one.
+    As `core.density.find_modes`.
     """
     modes = np.empty((wanted, 3), np.float32)
     found = 0
     heights = np.empty(votes.shape[0], np.float64)
     for m in range(votes.shape[0]):
         heights[m] = density(votes[m], votes, weights, bandwidth)
-    for _ in range(2 * wanted):
-        if found == wanted or votes.shape[0] == 0:
-            break
+    faint = FAINT * heights.max() if len(heights) else 0.0
+    near = bandwidth * bandwidth
+    while found < wanted and len(heights):
         best = np.argmax(heights)
-        if heights[best] <= 0:
+        if heights[best] <= faint:
             break
         mode = climb(votes[best], votes, weights, bandwidth)
-        heights[best] = -1
         known = False
         for k in range(found):
-            known |= squared_distance(mode, modes[k]) < bandwidth * bandwidth
+            known = known or bool(squared_distance(mode, modes[k]) < near)
         if not known:
             modes[found] = mode
             found += 1
+        heights[best] = -1
         for m in range(votes.shape[0]):
-            if squared_distance(votes[m], mode) < bandwidth * bandwidth:
+            if squared_distance(votes[m], mode) < near:
+                heights[m] = -1
+            if squared_distance(votes[m], votes[best]) < near:
                 heights[m] = -1
     return modes[:found]
