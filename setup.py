@@ -16,7 +16,7 @@ REQUIREMENTS = [
     'numpy>=1.26',
     'pillow>=9.4',
     'pyyaml>=6.0',
-    'rosbags>=0.10',
+    'rosbags>=0.10.11',
     'tqdm>=4.60',
     'zstandard>=0.20',
 ]

@@ -124,6 +124,12 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
         for skeletons in progress(answers, reader.count, 'estimating'):
             frames += 1
             bodies += len(skeletons.bodies)
+        if not bodies:
+            msg = (
+                f'{arguments.recording}: the masks of all {frames} frames are empty; '
+                'is --mask-background right?'
+            )
+            raise InputError(msg)
     _warn(reader.warnings)
     print(f'{output}: {frames} frames, {bodies} bodies')
     return 0

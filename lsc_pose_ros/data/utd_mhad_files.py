@@ -193,7 +193,7 @@ def _load(path: Path, key: str) -> NDArray[Any]:
         from scipy.io import loadmat  # noqa: PLC0415 - an optional dependency
     except ImportError:
         msg = (
-            'reading UTD-MHAD needs scipy; install it with "pip install lsc_pose_ros[utd]" '
+            'reading UTD-MHAD needs scipy; install it with "pip install lsc_pose_ros[mat]" '
             'or as python3-scipy'
         )
         raise InputError(msg) from None

@@ -278,3 +278,16 @@ def test_words_that_make_no_sense(
         main(['replay', str(recording), *words])
     assert error.value.code == 2
     assert 'usage: lsc_pose replay' in capsys.readouterr().err
+
+
+def test_empty_masks_leave_no_output(
+    small_model_file: Path, people: list[Frame], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recording, output = tmp_path / 'empty.mcap', tmp_path / 'out.mcap'
+    with RecordingWriter(recording) as writer:
+        for frame in people[:3]:
+            write(writer, frame._replace(labels=np.full_like(frame.labels, NO_BODY)))
+    words = ['replay', str(recording), '-o', str(output), '--model', str(small_model_file)]
+    assert main(words) == 2
+    assert 'the masks of all 3 frames are empty' in capsys.readouterr().err
+    assert not output.exists()
