@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.jit import kernel
+from lsc_pose_ros.core.logarithm import log2_of_bits, polynomial
 
 RADIUS_BINS = 5
 AZIMUTH_BINS = 12
@@ -32,11 +33,8 @@ _PI, _HALF_PI = map(_SINGLE, (math.pi, math.pi / 2))
 _PER_AZIMUTH = _SINGLE(AZIMUTH_BINS / (2 * math.pi))
 _PER_ZENITH = _SINGLE(ZENITH_BINS / math.pi)
 
-# Coefficients, the constant first, each for arguments from 0 to 1: log2(1 + m) / m, atan(t) / t in
-# t^2 (both Chebyshev), acos(v) / sqrt(1 - v) (Abramowitz and Stegun, 4.4.46).
-_LOGARITHM = tuple(
-    map(_SINGLE, (1.442681468, -0.720358773, 0.468658879, -0.301638010, 0.144471096, -0.033822046))
-)
+# Coefficients, the constant first, for arguments from 0 to 1: atan(t) / t in t^2 (Chebyshev), and
+# acos(v) / sqrt(1 - v) (Abramowitz and Stegun, 4.4.46).
 _ARC_TANGENT = tuple(
     map(_SINGLE, (0.999994835, -0.332957110, 0.195346590, -0.120448585, 0.056589985, -0.013130382))
 )
@@ -176,7 +174,7 @@ def _gather(
 def _measure(reach: _Reach, found: int, per_log: float, shift: float, places: _Places) -> None:
     """Turn offsets into bins and shares, without branches, so that the loop vectorises."""
     for j in range(found):
-        radius = _log2(reach.bits[j]) * per_log + shift
+        radius = log2_of_bits(reach.bits[j]) * per_log + shift
         radius = min(max(radius, _ZERO), _SINGLE(RADIUS_BINS - 1))
         azimuth = _angle(reach.x[j], reach.y[j]) * _PER_AZIMUTH + _SINGLE(AZIMUTH_BINS - 0.5)
         azimuth -= _SINGLE(AZIMUTH_BINS) if azimuth >= _SINGLE(AZIMUTH_BINS) else _ZERO
@@ -228,29 +226,12 @@ def _to_levels(histogram: NDArray[np.float32], found: int, levels: NDArray[np.ui
 
 
 @kernel
-def _polynomial(x: Any, coefficients: Any) -> Any:  # noqa: ANN401 - float32 is kept
-    """Return the polynomial's value by Horner's rule; the loop is unrolled."""
-    value = coefficients[-1]
-    for k in range(len(coefficients) - 2, -1, -1):
-        value = coefficients[k] + x * value
-    return value
-
-
-@kernel
-def _log2(bits: Any) -> Any:  # noqa: ANN401 - float32 is kept
-    """Return log2 of the single-precision number with these bits, to 2e-5."""
-    exponent = _SINGLE((bits >> 23) - 127)
-    m = _SINGLE(bits & 0x7FFFFF) * _SINGLE(2.0**-23)
-    return exponent + m * _polynomial(m, _LOGARITHM)
-
-
-@kernel
 def _angle(x: Any, y: Any) -> Any:  # noqa: ANN401 - float32 is kept
     """Return atan2(y, x), to 6e-6 radians."""
     long, short = max(abs(x), abs(y)), min(abs(x), abs(y))
     t = short / max(long, _SINGLE(1e-30))
     s = t * t
-    angle = t * _polynomial(s, _ARC_TANGENT)
+    angle = t * polynomial(s, _ARC_TANGENT)
     angle = _HALF_PI - angle if abs(y) > abs(x) else angle
     angle = _PI - angle if x < _ZERO else angle
     return -angle if y < _ZERO else angle
@@ -260,5 +241,5 @@ def _angle(x: Any, y: Any) -> Any:  # noqa: ANN401 - float32 is kept
 def _arc_cosine(cosine: Any) -> Any:  # noqa: ANN401 - float32 is kept
     """Return acos(cosine), to 1e-6 radians."""
     v = min(abs(cosine), _ONE)
-    angle = math.sqrt(_ONE - v) * _polynomial(v, _ARC_COSINE)
+    angle = math.sqrt(_ONE - v) * polynomial(v, _ARC_COSINE)
     return _PI - angle if cosine < _ZERO else angle

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.jit import kernel, parallel_kernel
+from lsc_pose_ros.core.logarithm import log2_of_bits
 
 
 @parallel_kernel
@@ -40,15 +41,20 @@ def contributions(
 
 
 @kernel
-def entropy_times_count(sums: NDArray[np.float64], count: float) -> float:
-    """Return |S| H(S) = -sum over j of s_j log(s_j / |S|), s_j the sums of contributions (eq. 9).
+def entropy_times_count(
+    sums: NDArray[np.float32], bits: NDArray[np.int32], count: float
+) -> np.float32:
+    """Return |S| H(S) = -sum over j of s_j log2(s_j / |S|), s_j the sums of contributions (eq. 9).
+
+    The unit is the bit: it is compared with its like only. To 2e-5 |S|, so that it vectorises.
 
     Args:
         sums: of each joint's contributions over the set, shape (J,).
+        bits: the memory of `sums` as integers, shape (J,).
         count: |S|, how many samples the set has.
     """
-    total = 0.0
+    total, weight = np.float32(0), np.float32(0)
     for j in range(sums.shape[0]):
-        if sums[j] > 0:
-            total -= sums[j] * math.log(sums[j] / count)
-    return total
+        total += sums[j] * log2_of_bits(bits[j])
+        weight += sums[j]
+    return weight * np.float32(math.log2(count)) - total

@@ -1,4 +1,8 @@
-"""Grows one tree: which feature and threshold split each node (eq. 7, 8)."""
+"""Grows one tree, first its large nodes one by one, then what is below them side by side.
+
+At a large node all cores look for the split, a feature each. A small node is too little work for
+that; there each core grows a whole branch.
+"""
 
 from typing import NamedTuple
 
@@ -8,9 +12,10 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE
 from lsc_pose_ros.core.jit import kernel, parallel_kernel
-from lsc_pose_ros.learning.criterion import entropy_times_count
+from lsc_pose_ros.learning.splitter import Split, partition, try_feature
 
-LEVELS = 256
+# A node with fewer samples than this is the root of a branch.
+BRANCH_SAMPLES = 20_000
 
 
 class GrowthSettings(NamedTuple):
@@ -45,12 +50,29 @@ class Tree(NamedTuple):
     leaf_start: NDArray[np.int64]
 
 
-class Split(NamedTuple):
-    """The best split of a node that was found; feature -1 where there is none."""
+class Nodes(NamedTuple):
+    """Nodes while a tree grows: as in Tree, but a leaf's `left` is where its samples start."""
 
-    feature: int
-    threshold: int
-    cost: float
+    feature: NDArray[np.int16]
+    threshold: NDArray[np.uint8]
+    left: NDArray[np.int64]
+
+
+class Branches(NamedTuple):
+    """Nodes that are grown side by side.
+
+    Attributes:
+        node: the branch's root in the tree, shape (B,).
+        start, end: which of the ordered samples it has, shape (B,).
+        depth: how many splits lie above, shape (B,).
+        seed: of what it draws, shape (B,).
+    """
+
+    node: NDArray[np.int64]
+    start: NDArray[np.int64]
+    end: NDArray[np.int64]
+    depth: NDArray[np.int64]
+    seed: NDArray[np.int64]
 
 
 def grow_tree(
@@ -68,184 +90,197 @@ def grow_tree(
         rng: draws features and thresholds.
     """
     order = np.arange(levels.shape[1], dtype=np.int32)
+    trunk, branches = _grow_trunk(levels, weights, order, settings, rng)
+    room = 2 * ((branches.end - branches.start) // settings.leaf_samples) + 1
+    first = np.concatenate([[0], np.cumsum(room)])
+    grown = Nodes(
+        np.full(first[-1], -1, np.int16),
+        np.zeros(first[-1], np.uint8),
+        np.zeros(first[-1], np.int64),
+    )
+    sizes = _grow_branches((levels, weights, order), branches, first, grown, settings)
+    return _graft(trunk, branches, (first, sizes, grown), order)
+
+
+def _grow_trunk(
+    levels: NDArray[np.uint8],
+    weights: NDArray[np.float32],
+    order: NDArray[np.int32],
+    settings: GrowthSettings,
+    rng: np.random.Generator,
+) -> tuple[Nodes, Branches]:
+    """Split the large nodes; return them and the roots of the branches, which are leaves here."""
     feature: list[int] = [-1]
     threshold: list[int] = [0]
     left: list[int] = [0]
-    leaf_start: list[int] = []
+    branches: list[tuple[int, int, int, int]] = []
     waiting = [(0, 0, len(order), 0)]
     while waiting:
         node, start, end, depth = waiting.pop()
-        split = _find_split(levels, weights, order[start:end], settings, rng, depth)
+        split = Split(-1, 0, np.inf)
+        if end - start >= BRANCH_SAMPLES and depth < settings.depth:
+            split = find_split(levels, weights, order[start:end], settings, rng)
         if split.feature < 0:
-            left[node] = len(leaf_start)
-            leaf_start.append(start)
+            branches.append((node, start, end, depth))
             continue
         middle = start + partition(levels[split.feature], order[start:end], split.threshold)
-        feature[node], threshold[node] = split.feature, split.threshold
-        left[node] = len(feature)
-        for _ in range(2):
-            feature.append(-1)
-            threshold.append(0)
-            left.append(0)
+        feature[node], threshold[node], left[node] = split.feature, split.threshold, len(feature)
+        feature += [-1, -1]
+        threshold += [0, 0]
+        left += [0, 0]
         waiting.append((left[node] + 1, middle, end, depth + 1))
         waiting.append((left[node], start, middle, depth + 1))
-    return Tree(
-        np.array(feature, np.int16),
-        np.array(threshold, np.uint8),
-        np.array(left, np.int32),
-        order,
-        np.array([*leaf_start, len(order)], np.int64),
+    trunk = Nodes(
+        np.array(feature, np.int16), np.array(threshold, np.uint8), np.array(left, np.int64)
     )
+    node_of, starts, ends, depths = np.array(branches, np.int64).T.copy()
+    seeds = rng.integers(0, 2**31, len(branches))
+    return trunk, Branches(node_of, starts, ends, depths, seeds)
 
 
-def _find_split(
+def find_split(
     levels: NDArray[np.uint8],
     weights: NDArray[np.float32],
     members: NDArray[np.int32],
     settings: GrowthSettings,
     rng: np.random.Generator,
-    depth: int,
 ) -> Split:
-    if depth >= settings.depth or len(members) < 2 * settings.leaf_samples:
-        return Split(-1, 0, np.inf)
+    """Return the best of the random splits of the `members`, shape (n,), on all cores (eq. 8).
+
+    The other arguments as `grow_tree`.
+    """
     features = rng.choice(DESCRIPTOR_SIZE, settings.features, replace=False)
     draws = rng.random((settings.features, settings.thresholds))
-    return best_split(levels, weights, members, (features, draws), settings.leaf_samples)
-
-
-def best_split(
-    levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
-    members: NDArray[np.int32],
-    trials: tuple[NDArray[np.int64], NDArray[np.float64]],
-    leaf_samples: int,
-) -> Split:
-    """Return the split with the least weighted entropy among the trials (eq. 8).
-
-    Args:
-        levels: quantised descriptors, shape (360, S).
-        weights: the joints' contributions, shape (S, J).
-        members: the node's samples, shape (n,).
-        trials: features, shape (F,), and for each its thresholds as shares of the range of levels
-            that the node's samples have, within [0, 1), shape (F, thresholds).
-        leaf_samples: the fewest samples that a side may have.
-    """
-    features, draws = trials
-    costs = np.full(len(features), np.inf)
-    thresholds = np.zeros(len(features), np.int64)
-    search = _search_together if len(members) > _WORTH_SHARING else _search
-    search(levels, weights[members], members, (features, draws), leaf_samples, costs, thresholds)
+    costs, thresholds = _try_features(
+        levels, weights[members], members, (features, draws), settings.leaf_samples
+    )
     best = int(np.argmin(costs))
     if not np.isfinite(costs[best]):
         return Split(-1, 0, np.inf)
     return Split(int(features[best]), int(thresholds[best]), float(costs[best]))
 
 
-# With fewer samples than this, waking the other cores costs more than they save.
-_WORTH_SHARING = 4096
-
-
 @parallel_kernel
-def _search_together(
+def _try_features(
     levels: NDArray[np.uint8],
     weights: NDArray[np.float32],
     members: NDArray[np.int32],
     trials: tuple[NDArray[np.int64], NDArray[np.float64]],
     leaf_samples: int,
-    costs: NDArray[np.float64],
-    thresholds: NDArray[np.int64],
-) -> None:
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     features, draws = trials
+    costs = np.full(features.shape[0], np.inf)
+    thresholds = np.zeros(features.shape[0], np.int64)
     for f in numba.prange(features.shape[0]):
         costs[f], thresholds[f] = try_feature(
             levels[features[f]], weights, members, draws[f], leaf_samples
         )
+    return costs, thresholds
+
+
+@parallel_kernel
+def _grow_branches(
+    samples: tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]],
+    branches: Branches,
+    first: NDArray[np.int64],
+    grown: Nodes,
+    settings: GrowthSettings,
+) -> NDArray[np.int64]:
+    """Grow each branch into its own stretch of `grown`; return how many nodes each has."""
+    sizes = np.zeros(branches.node.shape[0], np.int64)
+    for b in numba.prange(branches.node.shape[0]):
+        nodes = Nodes(
+            grown.feature[first[b] : first[b + 1]],
+            grown.threshold[first[b] : first[b + 1]],
+            grown.left[first[b] : first[b + 1]],
+        )
+        # The generator is the thread's own, and a branch is grown by one thread.
+        np.random.seed(branches.seed[b])  # noqa: NPY002 - the generator that kernels have
+        span = branches.start[b], branches.end[b], branches.depth[b]
+        sizes[b] = _grow_branch(samples, span, nodes, settings)
+    return sizes
 
 
 @kernel
-def _search(
+def _grow_branch(
+    samples: tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]],
+    span: tuple[int, int, int],
+    nodes: Nodes,
+    settings: GrowthSettings,
+) -> int:
+    levels, weights, order = samples
+    # Node, start, end, depth; the stack never holds more than a sibling a level.
+    waiting = np.empty((settings.depth + 2, 4), np.int64)
+    waiting[0, 0] = 0
+    waiting[0, 1], waiting[0, 2], waiting[0, 3] = span
+    height, used = 1, 1
+    while height > 0:
+        height -= 1
+        node, start, end, depth = waiting[height]
+        members = order[start:end]
+        split = Split(-1, 0, np.inf)
+        if depth < settings.depth and end - start >= 2 * settings.leaf_samples:
+            split = _draw_split(levels, weights[members], members, settings)
+        if split.feature < 0:
+            nodes.left[node] = start
+            continue
+        middle = start + partition(levels[split.feature], members, split.threshold)
+        nodes.feature[node] = split.feature
+        nodes.threshold[node] = split.threshold
+        nodes.left[node] = used
+        waiting[height] = np.array((used + 1, middle, end, depth + 1))
+        waiting[height + 1] = np.array((used, start, middle, depth + 1))
+        height += 2
+        used += 2
+    return used
+
+
+@kernel
+def _draw_split(
     levels: NDArray[np.uint8],
     weights: NDArray[np.float32],
     members: NDArray[np.int32],
-    trials: tuple[NDArray[np.int64], NDArray[np.float64]],
-    leaf_samples: int,
-    costs: NDArray[np.float64],
-    thresholds: NDArray[np.int64],
-) -> None:
-    features, draws = trials
-    for f in range(features.shape[0]):
-        costs[f], thresholds[f] = try_feature(
-            levels[features[f]], weights, members, draws[f], leaf_samples
+    settings: GrowthSettings,
+) -> Split:
+    """Return the best of random splits; as `find_split`, on one core."""
+    best = Split(-1, 0, np.inf)
+    drawn = np.zeros(DESCRIPTOR_SIZE, np.bool_)
+    for _ in range(settings.features):
+        feature = np.random.randint(DESCRIPTOR_SIZE)  # noqa: NPY002
+        while drawn[feature]:
+            feature = np.random.randint(DESCRIPTOR_SIZE)  # noqa: NPY002
+        drawn[feature] = True
+        draws = np.random.random(settings.thresholds)  # noqa: NPY002
+        cost, threshold = try_feature(
+            levels[feature], weights, members, draws, settings.leaf_samples
         )
+        if cost < best.cost:
+            best = Split(feature, threshold, cost)
+    return best
 
 
-@kernel
-def try_feature(
-    levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
-    members: NDArray[np.int32],
-    draws: NDArray[np.float64],
-    leaf_samples: int,
-) -> tuple[float, int]:
-    """Return the least |S_l| H(S_l) + |S_r| H(S_r) and its threshold, for one feature (eq. 8).
-
-    The contributions are summed by level once; every threshold then costs J additions.
-
-    Args:
-        levels: the feature's level in every sample, shape (S,).
-        weights: the members' contributions, shape (n, J).
-        members: the node's samples, shape (n,).
-        draws: thresholds as shares of the members' range of levels, shape (thresholds,).
-        leaf_samples: the fewest samples that a side may have.
-    """
-    count, joints = weights.shape
-    sums = np.zeros((LEVELS, joints))
-    counts = np.zeros(LEVELS, np.int64)
-    for n in range(count):
-        level = levels[members[n]]
-        counts[level] += 1
-        for j in range(joints):
-            sums[level, j] += weights[n, j]
-    occupied = np.flatnonzero(counts)
-    low, high = occupied[0], occupied[-1]
-    for level in range(low + 1, high + 1):
-        counts[level] += counts[level - 1]
-        sums[level] += sums[level - 1]
-    tried = np.zeros(LEVELS, np.bool_)
-    best, best_threshold = np.inf, 0
-    for draw in draws:
-        threshold = low + 1 + int(draw * (high - low))
-        if threshold > high or tried[threshold]:
-            continue
-        tried[threshold] = True
-        below = counts[threshold - 1]
-        if below < leaf_samples or count - below < leaf_samples:
-            continue
-        cost = entropy_times_count(sums[threshold - 1], below) + entropy_times_count(
-            sums[high] - sums[threshold - 1], count - below
-        )
-        if cost < best:
-            best, best_threshold = cost, threshold
-    return best, best_threshold
-
-
-@kernel
-def partition(levels: NDArray[np.uint8], members: NDArray[np.int32], threshold: int) -> int:
-    """Put the members below `threshold` first, in place, orders kept; return how many they are.
-
-    Args:
-        levels: the feature's level in every sample, shape (S,).
-        members: the node's samples, shape (n,).
-        threshold: the level at which the right side begins.
-    """
-    right = np.empty_like(members)
-    below, above = 0, 0
-    for n in range(members.shape[0]):
-        if levels[members[n]] < threshold:
-            members[below] = members[n]
-            below += 1
-        else:
-            right[above] = members[n]
-            above += 1
-    members[below:] = right[:above]
-    return below
+def _graft(
+    trunk: Nodes,
+    branches: Branches,
+    grown: tuple[NDArray[np.int64], NDArray[np.int64], Nodes],
+    order: NDArray[np.int32],
+) -> Tree:
+    """Return the trunk with the branches on it, leaves numbered in the order of their samples."""
+    first, sizes, nodes = grown
+    parts = [trunk]
+    used = len(trunk.feature)
+    for b, (node, size) in enumerate(zip(branches.node, sizes, strict=True)):
+        own = slice(first[b], first[b] + size)
+        branch = Nodes(nodes.feature[own], nodes.threshold[own], nodes.left[own].copy())
+        # The branch's root takes the place of the trunk's leaf; its other nodes are put behind.
+        branch.left[branch.feature >= 0] += used - 1
+        trunk.feature[node] = branch.feature[0]
+        trunk.threshold[node] = branch.threshold[0]
+        trunk.left[node] = branch.left[0]
+        parts.append(Nodes(branch.feature[1:], branch.threshold[1:], branch.left[1:]))
+        used += size - 1
+    feature, threshold, left = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    leaves = feature < 0
+    starts = np.unique(left[leaves])
+    left[leaves] = np.searchsorted(starts, left[leaves])
+    return Tree(feature, threshold, left.astype(np.int32), order, np.append(starts, len(order)))

@@ -296,7 +296,7 @@ def test_missing_scipy_is_named_with_its_remedy(
         return true_import(name, *arguments, **keywords)
 
     monkeypatch.setattr(builtins, '__import__', without_scipy)
-    with pytest.raises(InputError, match=r'pip install lsc_pose_ros\[utd\].*python3-scipy'):
+    with pytest.raises(InputError, match=r'pip install lsc_pose_ros\[mat\].*python3-scipy'):
         select_takes(small, Selection())
 
 
