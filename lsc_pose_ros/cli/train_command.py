@@ -12,13 +12,13 @@ from lsc_pose_ros.cli.labelled_frames import (
     open_recordings,
     read_frames,
 )
-from lsc_pose_ros.cli.numbers import positive_int
+from lsc_pose_ros.cli.numbers import positive_float, positive_int
 from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.data.model_file import save_model
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.growth import GrowthSettings
-from lsc_pose_ros.learning.train import TrainingSettings, train
+from lsc_pose_ros.learning.train import GIBIBYTE, TrainingSettings, train
 
 HELP = 'learn a model from labelled recordings'
 
@@ -49,6 +49,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=list(DEFAULT_JOINTS),
         metavar='JOINT',
         help="the joints to learn (default: the paper's 17: all but pelvis and feet)",
+    )
+    parser.add_argument(
+        '--memory',
+        type=positive_float,
+        default=8.0,
+        metavar='GIB',
+        help='take no more than so much, in GiB: of longer recordings, learn from fewer points a '
+        'person (default: %(default)s)',
     )
     parser.add_argument('--seed', type=int, default=0, help='of all that is drawn (default: 0)')
     parser.add_argument('--json', type=Path, metavar='FILE', help='write sizes and times there')
@@ -101,6 +109,7 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
         arguments.trees,
         GrowthSettings(depth=arguments.depth, leaf_samples=arguments.leaf_samples),
         seed=arguments.seed,
+        memory=arguments.memory * GIBIBYTE,
     )
 
 

@@ -78,13 +78,31 @@ def people_in(frame: Frame, joints: NDArray[np.uint16], settings: Settings) -> I
             )
 
 
-def gather_samples(people: Iterable[Person]) -> Samples:
-    """Return the samples of all `people`.
+def most_samples(memory: float, joints: int) -> int:
+    """Return how many samples training can hold in `memory` bytes.
+
+    A sample needs its descriptor, point and person, its contributions twice while a node is
+    split, its place in the order twice, and its share of the leaves' votes; the interpreter and
+    the compiled kernels need the rest.
+    """
+    for_sample = DESCRIPTOR_SIZE + 16 + 2 * 4 * joints + 2 * 4 + 64
+    return max(1, int((memory - _WITHOUT_SAMPLES) / for_sample))
+
+
+# Bytes that a process takes which has imported everything and compiled all kernels.
+_WITHOUT_SAMPLES = 600e6
+
+
+def gather_samples(people: Iterable[Person], most: int | None = None) -> Samples:
+    """Return the samples of all `people`, at most `most` of them.
+
+    Where there are more, every person keeps an even half of the points, or a quarter, and so on:
+    many people are worth more than many points of each.
 
     Raises:
         InputError: there is nobody to learn from.
     """
-    kept = list(people)
+    kept = _within(people, most)
     if not kept:
         msg = (
             'no labelled person was found; training needs a recording with ground truth '
@@ -92,14 +110,36 @@ def gather_samples(people: Iterable[Person]) -> Samples:
         )
         raise InputError(msg)
     counts = np.array([len(person.points) for person in kept])
-    levels = np.empty((DESCRIPTOR_SIZE, counts.sum()), np.uint8)
     ends = np.cumsum(counts)
-    for person, end in zip(kept, ends, strict=True):
+    points = np.concatenate([person.points for person in kept])
+    joints = np.stack([person.joints for person in kept])
+    scale = np.array([person.scale for person in kept], np.float32)
+    levels = np.empty((DESCRIPTOR_SIZE, ends[-1]), np.uint8)
+    # From the last to the first, each forgotten once it is copied: memory is not needed twice.
+    for end in ends[::-1]:
+        person = kept.pop()
         levels[:, end - len(person.points) : end] = person.levels.T
     return Samples(
-        levels,
-        np.concatenate([person.points for person in kept]),
-        np.repeat(np.arange(len(kept), dtype=np.int32), counts),
-        np.stack([person.joints for person in kept]),
-        np.array([person.scale for person in kept], np.float32),
+        levels, points, np.repeat(np.arange(len(counts), dtype=np.int32), counts), joints, scale
+    )
+
+
+def _within(people: Iterable[Person], most: int | None) -> list[Person]:
+    kept: list[Person] = []
+    stride, count = 1, 0
+    for person in people:
+        kept.append(_thinned(person, stride))
+        count += len(kept[-1].points)
+        while most is not None and count > most and any(len(p.points) > 1 for p in kept):
+            stride *= 2
+            kept = [_thinned(each, 2) for each in kept]
+            count = sum(len(each.points) for each in kept)
+    return kept
+
+
+def _thinned(person: Person, stride: int) -> Person:
+    if stride == 1:
+        return person
+    return person._replace(
+        levels=person.levels[::stride].copy(), points=person.points[::stride].copy()
     )

@@ -15,7 +15,14 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.criterion import contributions
 from lsc_pose_ros.learning.growth import GrowthSettings, Tree, grow_tree
 from lsc_pose_ros.learning.leaves import LeafSettings, fit_joint_votes, fit_pair_votes
-from lsc_pose_ros.learning.samples import Samples, gather_samples, people_in
+from lsc_pose_ros.learning.samples import (
+    Samples,
+    gather_samples,
+    most_samples,
+    people_in,
+)
+
+GIBIBYTE = 1 << 30
 
 
 class TrainingSettings(NamedTuple):
@@ -28,6 +35,7 @@ class TrainingSettings(NamedTuple):
         growth: of each tree.
         leaves: of the votes.
         seed: of all that is drawn.
+        memory: how much training may take, bytes.
     """
 
     joints: NDArray[np.uint16]
@@ -36,6 +44,7 @@ class TrainingSettings(NamedTuple):
     growth: GrowthSettings = GrowthSettings()
     leaves: LeafSettings = LeafSettings()
     seed: int = 0
+    memory: float = 8 * GIBIBYTE
 
 
 Progress = Callable[[str], None]
@@ -59,11 +68,12 @@ def train(
         InputError: nobody labelled is seen, or a joint is labelled nowhere.
     """
     tell('reading frames')
-    samples = gather_samples(
+    people = (
         person
         for frame in frames
         for person in people_in(frame, training.joints, training.settings)
     )
+    samples = gather_samples(people, most_samples(training.memory, len(training.joints)))
     return train_on(samples, training, provenance, tell)
 
 

@@ -1,3 +1,5 @@
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,14 @@ from lsc_pose_ros.core.skeletons import Skeletons
 from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.evaluate import evaluate, joint_errors, summarise
-from lsc_pose_ros.learning.samples import gather_samples, people_in, select_joints
-from lsc_pose_ros.learning.train import limb_lengths, train
+from lsc_pose_ros.learning.samples import (
+    Person,
+    gather_samples,
+    most_samples,
+    people_in,
+    select_joints,
+)
+from lsc_pose_ros.learning.train import GIBIBYTE, limb_lengths, train
 
 
 @pytest.fixture(scope='module')
@@ -147,3 +155,46 @@ def test_what_is_missing_is_missed_and_what_is_unlabelled_does_not_count(small_m
 def test_frames_without_labels_cannot_be_evaluated(small_model, strangers):
     with pytest.raises(InputError, match='no frame has a labelled person'):
         evaluate(Estimator(small_model), [frame._replace(truth=None) for frame in strangers[:2]])
+
+
+def crowd(count, points=64):
+    """People whose points and descriptors tell who they are, made one by one."""
+    for number in range(count):
+        yield Person(
+            np.full((points, 360), number % 256, np.uint8),
+            np.arange(3.0 * points, dtype=np.float32).reshape(points, 3),
+            np.full((2, 3), number, np.float32),
+            1.0,
+        )
+
+
+def test_too_many_samples_leave_fewer_points_of_everybody():
+    samples = gather_samples(crowd(50), 50 * 64 // 3)
+    assert len(samples.scale) == 50
+    assert np.bincount(samples.person).tolist() == [16] * 50
+    np.testing.assert_array_equal(samples.levels[0], samples.person)
+    np.testing.assert_array_equal(samples.joints[:, 0, 0], np.arange(50))
+    np.testing.assert_array_equal(samples.points[:16, 0], 3 * 4 * np.arange(16))
+
+
+def test_at_least_a_point_of_everybody_is_kept():
+    assert np.bincount(gather_samples(crowd(9), 1).person).tolist() == [1] * 9
+
+
+def test_memory_does_not_grow_with_the_recording():
+    peaks = []
+    for count in (400, 1600):
+        tracemalloc.start()
+        samples = gather_samples(crowd(count), 10_000)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert 5_000 <= len(samples.points) <= 10_000
+    # 10,000 descriptors are 3.6 MB; in full, 1,600 people would be 37 MB.
+    assert max(peaks) < 12e6
+    assert peaks[1] < 1.3 * peaks[0]
+
+
+def test_more_memory_holds_more_samples():
+    assert most_samples(8 * GIBIBYTE, 17) > 20_000 * 400
+    assert most_samples(GIBIBYTE, 17) < 1_000_000
+    assert most_samples(0, 17) == 1
