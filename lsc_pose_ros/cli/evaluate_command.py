@@ -12,8 +12,9 @@ from lsc_pose_ros.cli.labelled_frames import (
     open_recordings,
     read_frames,
 )
-from lsc_pose_ros.cli.numbers import positive_float
+from lsc_pose_ros.cli.numbers import positive_float, positive_int
 from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.learning.evaluate import Evaluation, Summary, evaluate, summarise
 
@@ -31,6 +32,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         dest='graph',
         action='store_false',
         help='take each joint by itself, without the pictorial structure',
+    )
+    parser.add_argument(
+        '--query-points',
+        type=positive_int,
+        metavar='N',
+        help='how many silhouette points vote (default: as the model says)',
     )
     parser.add_argument(
         '--tolerance',
@@ -51,11 +58,15 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the model or a recording cannot be used, or nothing is labelled.
     """
-    estimator = Estimator(load_model(arguments.model), graph=arguments.graph)
+    model = load_model(arguments.model)
+    if arguments.query_points:
+        settings = model.settings._replace(query_points=arguments.query_points)
+        model = model._replace(settings=settings)
+    estimator = Estimator(model, graph=arguments.graph)
     readers = open_recordings(arguments)
     evaluation = evaluate(estimator, read_frames(readers, 'evaluating'))
     summary = summarise(evaluation, arguments.tolerance)
-    results = _results(arguments, evaluation, summary)
+    results = _results(arguments, model.settings, evaluation, summary)
     print(_table(results, summary))
     if arguments.json:
         write_json(arguments.json, results)
@@ -75,7 +86,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _results(
-    arguments: argparse.Namespace, evaluation: Evaluation, summary: Summary
+    arguments: argparse.Namespace,
+    settings: Settings,
+    evaluation: Evaluation,
+    summary: Summary,
 ) -> dict[str, Any]:
     milliseconds = 1000 * evaluation.seconds
     return {
@@ -92,6 +106,7 @@ def _results(
         'model': str(arguments.model),
         'recordings': [str(path) for path in arguments.recordings],
         'graph': arguments.graph,
+        'query_points': settings.query_points,
     }
 
 

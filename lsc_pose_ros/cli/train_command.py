@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     defaults, growth = Settings(), GrowthSettings()
     for name, default, what in (
         ('points', defaults.points, 'silhouette points a body'),
+        ('query-points', defaults.query_points, 'of these, how many vote (all of them teach)'),
         ('trees', TrainingSettings(numbers_of(DEFAULT_JOINTS)).trees, 'trees of the forest'),
         ('depth', growth.depth, 'depth of a tree at most'),
         ('leaf-samples', growth.leaf_samples, 'samples of a leaf at least'),
@@ -105,7 +106,7 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
         raise InputError(msg)
     return TrainingSettings(
         numbers_of(arguments.joints),
-        Settings(points=arguments.points),
+        Settings(points=arguments.points, query_points=arguments.query_points),
         arguments.trees,
         GrowthSettings(depth=arguments.depth, leaf_samples=arguments.leaf_samples),
         seed=arguments.seed,

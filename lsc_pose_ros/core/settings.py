@@ -22,7 +22,7 @@ class Settings(NamedTuple):
     smoothing_sigma: float = 0.02
     edge_threshold: float = 0.04
     points: int = 400
-    query_points: int = 400
+    query_points: int = 200
     support_radius: float = 1.0
     inner_radius: float = 0.1
     joint_bandwidth: float = 0.07

@@ -93,6 +93,18 @@ def test_evaluate_prints_a_table_and_writes_the_agreed_results(
     assert 0 < results['ms_per_frame']['p50'] <= results['ms_per_frame']['p95']
 
 
+def test_fewer_points_may_vote(model, recordings, tmp_path):
+    path = tmp_path / 'results.json'
+    words = ['evaluate', model, recordings[1], '--json', str(path)]
+    maps = {}
+    for count in (120, 30):
+        assert main([*words, '--query-points', str(count)]) == 0
+        results = json.loads(path.read_text())
+        assert results['query_points'] == count
+        maps[count] = results['mean_error_m']
+    assert maps[30] != maps[120]
+
+
 def test_evaluate_writes_a_report(model, recordings, tmp_path, capsys):
     assert main(['evaluate', model, recordings[1], '--report', str(tmp_path / 'page')]) == 0
     assert 'index.html' in capsys.readouterr().out
