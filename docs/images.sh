@@ -12,9 +12,9 @@ $lsc_pose synth "$work/train.mcap" --frames 2400 --clip-length 3 --seed 1
 $lsc_pose synth "$work/people.mcap" --frames 300 --clip-length 6 --seed 2
 $lsc_pose train "$work/train.mcap" -o "$work/model.npz"
 
-$lsc_pose view "$work/people.mcap" -o "$work/stages" --stages 106 --model "$work/model.npz"
+$lsc_pose view "$work/people.mcap" -o "$work/stages" --stages 167 --model "$work/model.npz"
 rm "$work/stages/stages.png"
 mkdir -p "$pictures"
 cp "$work/stages/"*.png "$pictures"
 $lsc_pose view "$work/people.mcap" -o "$pictures/sheet.png" --model "$work/model.npz" \
-    --at 16 64 106 176 224 272
+    --at 16 64 118 167 224 272
