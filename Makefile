@@ -8,7 +8,7 @@ BIN := $(VENV)/bin
 # The oldest releases that setup.py allows, and a Python that numba 0.59 has wheels for.
 FLOOR := .venv-floor
 FLOOR_PACKAGES := 'numpy==1.26.*' 'numba==0.59.*' 'mcap==1.3.*' 'rosbags==0.10.*' 'pytest==7.4.*'
-FLOOR_TESTS := test/core test/learning
+FLOOR_TESTS := test/core test/learning test/data/test_model_file.py
 FLOOR_PYTHON = $(shell for python in '$(PYTHON)' python3.12 python3.11 python3.10; do \
 	"$$python" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 12))' \
 	2>/dev/null && echo "$$python" && break; done)

@@ -136,9 +136,9 @@ def describe(
     histogram = np.empty(RADIUS_BINS * _RING, np.float32)
     levels = np.empty((len(centres), DESCRIPTOR_SIZE), np.uint8)
     # log2 of a squared distance, times `per_log`, plus `shift`, counts radius bins.
-    bins_per_octave = RADIUS_BINS / -math.log2(inner_radius)
+    bins_per_octave = RADIUS_BINS / -np.log2(inner_radius)
     per_log = _SINGLE(0.5 * bins_per_octave)
-    shift = _SINGLE(RADIUS_BINS - 0.5 - math.log2(radius) * bins_per_octave)
+    shift = _SINGLE(RADIUS_BINS - 0.5 - np.log2(radius) * bins_per_octave)
     for q in range(len(centres)):
         found = _gather(x, y, z, centres[q], _SINGLE(radius * radius), reach)
         _measure(reach, found, per_log, shift, places)

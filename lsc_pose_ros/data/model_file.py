@@ -72,7 +72,7 @@ def save_model(path: str | os.PathLike[str], model: Model) -> None:
     }
     try:
         with beside.open('wb') as file:
-            np.savez_compressed(file, allow_pickle=False, header=_to_bytes(header), **arrays)
+            np.savez_compressed(file, header=_to_bytes(header), **arrays)
         beside.replace(target)
     except OSError as error:
         msg = f'cannot write the model {target}: {error.strerror or error}'

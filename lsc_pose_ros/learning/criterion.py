@@ -57,4 +57,4 @@ def entropy_times_count(
     for j in range(sums.shape[0]):
         total += sums[j] * log2_of_bits(bits[j])
         weight += sums[j]
-    return weight * np.float32(math.log2(count)) - total
+    return weight * np.float32(np.log2(count)) - total
