@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
         'model': str(arguments.output),
         'recordings': [str(path) for path in arguments.recordings],
         'people': int(model.provenance['people']),
-        'points': int(model.provenance['points']),
+        'points': int(model.provenance['samples']),
         'leaves': len(model.forest.joint_votes.start) - 1,
         'bytes': arguments.output.stat().st_size,
         'seconds': seconds,

@@ -104,7 +104,7 @@ def train_on(
         limb_lengths(samples, edges),
         training.settings,
         join_trees(trees, joint_votes, pair_votes),
-        provenance | {'people': str(len(samples.scale)), 'points': str(len(samples.points))},
+        provenance | {'people': str(len(samples.scale)), 'samples': str(len(samples.points))},
     )
 
 

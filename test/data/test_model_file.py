@@ -230,7 +230,8 @@ def test_a_model_describes_itself(small_model):
     words = describe_model(small_model)
     assert words['joints'].startswith('head, neck, l_shoulder')
     assert words['trees'] == '2'
-    assert words['points'] == str(240 * 150)
+    assert words['points'] == '150'
+    assert words['samples'] == str(240 * 150)
     assert words['recordings'] == 'synthetic'
 
 
