@@ -53,6 +53,7 @@ COMMANDS: dict[str, Command] = {
     'evaluate': Command('evaluate_command', 'measure a model on labelled recordings'),
     'replay': Command('replay_command', 'estimate every frame of a recording, or publish it'),
     'view': Command('view_command', 'draw frames of a recording, or one through every stage'),
+    'bench': Command('bench_command', 'time every stage, beside the plain kernels'),
     'info': Command('info_command', 'say what a recording or a model holds'),
 }
 

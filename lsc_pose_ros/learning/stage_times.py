@@ -1,0 +1,212 @@
+"""One frame on its way through the method, with a clock at every stage.
+
+The way is that of `Estimator.estimate`. It can be gone with the kernels that the estimator uses,
+or with the plain ones, which are written as their equations read.
+"""
+
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.core.camera import Intrinsics
+from lsc_pose_ros.core.descriptor import describe, mean_distance
+from lsc_pose_ros.core.estimator import (
+    FEWEST_POINTS,
+    _confidence,
+    _find_candidates,
+    _places,
+    bodies_in,
+)
+from lsc_pose_ros.core.forest import find_leaves
+from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
+from lsc_pose_ros.core.jit import kernel
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.plain import density as plain_density
+from lsc_pose_ros.core.plain import descriptor as plain_descriptor
+from lsc_pose_ros.core.plain import silhouette as plain_silhouette
+from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.core.silhouette import (
+    Silhouette,
+    Window,
+    choose_uniformly,
+    cut_out,
+    find_silhouette,
+)
+from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes, votes_for
+from lsc_pose_ros.learning.encoded_frame import EncodedFrame, decode_frame
+
+DECODE = 'decode'
+SILHOUETTE = 'smooth + silhouette'
+DESCRIPTOR = 'descriptor'
+FOREST = 'forest'
+VOTES = 'votes'
+DENSITIES = 'densities + graph'
+
+STAGES = (DECODE, SILHOUETTE, DESCRIPTOR, FOREST, VOTES, DENSITIES)
+"""The stages in their order."""
+
+STAGES_WITH_PLAIN_KERNELS = (SILHOUETTE, DESCRIPTOR, DENSITIES)
+
+
+class Kernels(NamedTuple):
+    """The kernels of which there are two kinds; arguments and results as those of `core`."""
+
+    find_silhouette: Callable[[Window, Intrinsics, Settings], Silhouette]
+    mean_distance: Callable[[NDArray[np.float32]], float]
+    describe: Callable[[NDArray[np.float32], NDArray[np.int64], float, float], NDArray[np.uint8]]
+    find_candidates: Callable[[CastVotes, float, int], Candidates]
+
+
+class Walked(NamedTuple):
+    """What came of one frame.
+
+    Attributes:
+        seconds: how long each stage took for all bodies together.
+        positions: the joints of each body, metres, NaN where too little is seen, (B, J, 3).
+        confidence: theirs, shape (B, J).
+    """
+
+    seconds: dict[str, float]
+    positions: NDArray[np.float32]
+    confidence: NDArray[np.float32]
+
+
+def walk(model: Model, encoded: EncodedFrame, kernels: Kernels) -> Walked:
+    """Estimate the joints of everybody in a frame, with the graph, and time the stages.
+
+    Args:
+        model: a trained model.
+        encoded: the frame.
+        kernels: FAST or PLAIN.
+    """
+    way = _Way(model, kernels)
+    depth, labels = decode_frame(encoded)
+    way.lap(DECODE)
+    bodies = bodies_in(labels)
+    positions = np.full((len(bodies), len(model.joints), 3), np.nan, np.float32)
+    confidence = np.zeros((len(bodies), len(model.joints)), np.float32)
+    for row, body in enumerate(bodies):
+        window = cut_out(depth, labels, int(body))
+        levels = None if window is None else way.describe(window, encoded.camera)
+        if levels is not None:
+            votes = way.vote(*levels)
+            positions[row], confidence[row] = way.place(*votes)
+    way.lap(SILHOUETTE)
+    return Walked(way.seconds, positions, confidence)
+
+
+class _Seen(NamedTuple):
+    """What the forest sees: query points (Q, 3), their levels (Q, 360), and rho_bar."""
+
+    points: NDArray[np.float32]
+    levels: NDArray[np.uint8]
+    scale: float
+
+
+class _Way:
+    """The stages of one frame; `seconds` adds up what each of them takes."""
+
+    def __init__(self, model: Model, kernels: Kernels) -> None:
+        self._model = model
+        self._kernels = kernels
+        settings = model.settings
+        self._structure = Structure(
+            model.edges,
+            model.limb_lengths,
+            float(settings.joint_bandwidth),
+            float(settings.pair_weight),
+        )
+        self.seconds = dict.fromkeys(STAGES, 0.0)
+        self._last = time.perf_counter()
+
+    def lap(self, stage: str) -> None:
+        """Charge `stage` with the time since the last call."""
+        now = time.perf_counter()
+        self.seconds[stage] += now - self._last
+        self._last = now
+
+    def describe(self, window: Window, camera: Intrinsics) -> _Seen | None:
+        """Return what the forest sees of a body, or None where that is too little."""
+        kernels, settings = self._kernels, self._model.settings
+        points = kernels.find_silhouette(window, camera, settings).points
+        self.lap(SILHOUETTE)
+        if len(points) < FEWEST_POINTS:
+            return None
+        scale = kernels.mean_distance(points)
+        if scale <= 0:
+            return None
+        queries = choose_uniformly(len(points), settings.query_points)
+        radius = scale * settings.support_radius
+        levels = kernels.describe(points, queries, radius, settings.inner_radius)
+        self.lap(DESCRIPTOR)
+        return _Seen(points[queries], levels, scale)
+
+    def vote(
+        self, points: NDArray[np.float32], levels: NDArray[np.uint8], scale: float
+    ) -> tuple[CastVotes, CastVotes]:
+        """Return the votes for joints and for edges."""
+        model, heaviest = self._model, self._model.settings.heaviest_votes
+        leaves = find_leaves(model.forest, levels)
+        self.lap(FOREST)
+        joint_poll = Poll(len(model.joints), heaviest, scale)
+        joints = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)
+        pair_poll = Poll(len(model.edges), heaviest, scale)
+        pairs = cast_votes(model.forest.pair_votes, leaves, np.zeros_like(points), pair_poll)
+        self.lap(VOTES)
+        return joints, pairs
+
+    def place(
+        self, joints: CastVotes, pairs: CastVotes
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return a body's joints, shape (J, 3), and their confidence, shape (J,)."""
+        settings, structure = self._model.settings, self._structure
+        bandwidth = settings.joint_bandwidth
+        candidates = self._kernels.find_candidates(joints, bandwidth, settings.candidates)
+        which = best_candidates(structure, joints, pairs, candidates)
+        places = ascend(structure, joints, pairs, _places(candidates, which))
+        confidence = _confidence(joints, places, structure.joint_bandwidth)
+        self.lap(DENSITIES)
+        return places, confidence
+
+
+def _find_silhouette_plainly(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+    smoothed = plain_silhouette.smooth(window, camera, settings.smoothing_sigma)
+    # A sigma of 0 smooths no more.
+    again = settings._replace(smoothing_sigma=0.0)
+    return find_silhouette(Window(smoothed, window.row, window.column), camera, again)
+
+
+def _describe_plainly(
+    points: NDArray[np.float32], centres: NDArray[np.int64], radius: float, inner_radius: float
+) -> NDArray[np.uint8]:
+    histograms = plain_descriptor.describe(points, radius, inner_radius)
+    return plain_descriptor.quantise(histograms)[centres]
+
+
+@kernel
+def _find_candidates_plainly(votes: CastVotes, bandwidth: float, wanted: int) -> Candidates:
+    joints = votes.start.shape[0] - 1
+    places = np.full((joints, wanted, 3), np.nan, np.float32)
+    counts = np.zeros(joints, np.int64)
+    for joint in range(joints):
+        cloud = votes_for(votes, joint)
+        together = np.column_stack((cloud.x, cloud.y, cloud.z))
+        modes = plain_density.find_modes(together, cloud.weight, bandwidth, wanted)
+        counts[joint] = modes.shape[0]
+        places[joint, : modes.shape[0]] = modes
+    return Candidates(places, counts)
+
+
+FAST = Kernels(find_silhouette, mean_distance, describe, _find_candidates)
+"""What `Estimator` uses."""
+
+PLAIN = Kernels(
+    _find_silhouette_plainly,
+    plain_descriptor.mean_distance,
+    _describe_plainly,
+    _find_candidates_plainly,
+)
+"""Written as the equations read; all N points are described, however few of them vote."""
