@@ -1,0 +1,238 @@
+# ruff: noqa: INP001 - a program, not a package
+"""How time grows with each of the numbers that a user may choose.
+
+`python benchmarks/curves.py` measures, in a few minutes, and writes results.json, curves.png and
+the tables of README.md beside itself. `--draw` only draws and writes anew what was measured.
+"""
+
+import argparse
+import datetime as dt
+import json
+import math
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from page import draw_curves, write_tables
+
+from lsc_pose_ros.cli.bench_results import bench_results
+from lsc_pose_ros.cli.json_file import write_json
+from lsc_pose_ros.cli.machine import describe_machine, versions
+from lsc_pose_ros.cli.progress import progress
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.frame import NO_BODY, Frame
+from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.learning.benchmark import summarise_times, time_frames, warm_up
+from lsc_pose_ros.learning.encoded_frame import EncodedFrame, decode_frame, encode_frame
+from lsc_pose_ros.learning.train import TrainingSettings, train
+
+POINTS = range(100, 901, 100)
+QUERY_POINTS = (25, 50, 100, 150, 200, 300, 400)
+TREES = (1, 2, 3, 4, 5)
+SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720))
+BODIES = (1, 2, 3, 4)
+TRAINING_FRAMES = (250, 500, 1000, 2000, 3600)
+MODEL_FRAMES = 1000
+TIMED_FRAMES = 60
+
+DEFAULT_TREES = 3
+
+_HERE = Path(__file__).parent
+_TRAINING = SyntheticSettings(frames=max(TRAINING_FRAMES), seed=1, clip_length=3)
+_TIMED = SyntheticSettings(frames=TIMED_FRAMES, seed=2, clip_length=2)
+
+
+class Labelled(NamedTuple):
+    """A frame with its truth, in a third of a Frame's memory."""
+
+    encoded: EncodedFrame
+    truth: Skeletons | None
+
+
+class Setup(NamedTuple):
+    """One point of a curve: what is timed on which frames."""
+
+    estimator: Estimator
+    frames: list[EncodedFrame]
+
+
+def main() -> int:
+    """Measure, or read what was measured, and write the page; return the exit status."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument('--draw', action='store_true', help='measure nothing')
+    results_file = _HERE / 'results.json'
+    if not parser.parse_args().draw:
+        write_json(results_file, measure())
+    results = json.loads(results_file.read_text(encoding='utf-8'))
+    draw_curves(results, _HERE / 'curves.png')
+    write_tables(results, _HERE / 'README.md')
+    return 0
+
+
+def measure() -> dict[str, object]:
+    """Return all that is measured, as `page` reads it."""
+    begin = time.monotonic()
+    labelled = [
+        Labelled(encode_frame(frame), frame.truth)
+        for frame in progress(synthetic_frames(_TRAINING), _TRAINING.frames, 'generating')
+    ]
+    training = _time_training(labelled)
+    tell('the model of all other measurements')
+    model = _train(labelled[:MODEL_FRAMES], max(TREES))
+    results: dict[str, object] = {
+        'date': dt.datetime.now(tz=dt.timezone.utc).date().isoformat(),
+        'machine': describe_machine(),
+        'versions': versions(),
+        'model': {
+            'trained_on_frames': MODEL_FRAMES,
+            'trees': DEFAULT_TREES,
+            'query_points': model.settings.query_points,
+        },
+        'stages': _time_stages(with_trees(model, DEFAULT_TREES)),
+        'curves': _time_curves(model),
+        'training': training,
+    }
+    tell(f'{time.monotonic() - begin:.0f} s')
+    return results
+
+
+def _time_training(labelled: Sequence[Labelled]) -> dict[str, object]:
+    """Return how long training takes, from encoded frames to the model in memory.
+
+    The processors' time, unlike the seconds that pass, hardly depends on what else they do.
+    """
+    _train(labelled[:20], 1)  # compiles
+    seconds, processor_seconds = [], []
+    for count in TRAINING_FRAMES:
+        tell(f'training on {count} frames')
+        begin, begin_processor = time.perf_counter(), time.process_time()
+        _train(labelled[:count], DEFAULT_TREES)
+        seconds.append(time.perf_counter() - begin)
+        processor_seconds.append(time.process_time() - begin_processor)
+    return {
+        'frames': list(TRAINING_FRAMES),
+        'seconds': seconds,
+        'processor_seconds': processor_seconds,
+        'trees': DEFAULT_TREES,
+    }
+
+
+def _train(labelled: Sequence[Labelled], trees: int) -> Model:
+    training = TrainingSettings(numbers_of(DEFAULT_JOINTS), trees=trees)
+    return train(_frames(labelled), training, {'recordings': 'synthetic'})
+
+
+def _frames(labelled: Sequence[Labelled]) -> Iterator[Frame]:
+    for stamp, (encoded, truth) in enumerate(labelled):
+        yield Frame(stamp, 'camera', *decode_frame(encoded), encoded.camera, truth)
+
+
+def _time_stages(model: Model) -> list[dict[str, Any]]:
+    """Return what `lsc_pose bench` measures: all points voting at two sizes, and the default."""
+    settings = model.settings
+    results = []
+    for (width, height), queries in (
+        ((320, 240), settings.points),
+        ((640, 480), settings.points),
+        ((320, 240), settings.query_points),
+    ):
+        tell(f'stages at {width}x{height}, {queries} points vote')
+        estimator = Estimator(with_settings(model, query_points=queries))
+        frames = warm_up(estimator, people(width, height))
+        times = list(time_frames(estimator, frames))
+        results.append(bench_results(estimator.model, frames, times))
+    return results
+
+
+def _time_curves(model: Model) -> dict[str, object]:
+    usual = with_trees(model, DEFAULT_TREES)
+    frames, large = people(320, 240), people(640, 480)
+    crowd = [list(_choose_bodies(640, 480, count)) for count in BODIES]
+    return {
+        # At 320x240 few silhouettes have 900 points.
+        'points': time_together(
+            POINTS,
+            [(with_settings(usual, points=n, query_points=n), large) for n in POINTS],
+        ),
+        'query_points': time_together(
+            QUERY_POINTS, [(with_settings(usual, query_points=q), frames) for q in QUERY_POINTS]
+        ),
+        'trees': time_together(TREES, [(with_trees(model, trees), frames) for trees in TREES]),
+        'size': time_together(
+            [f'{width}x{height}' for width, height in SIZES],
+            [(usual, people(width, height)) for width, height in SIZES],
+        ),
+        'bodies': time_together(BODIES, [(usual, frames) for frames in crowd]),
+    }
+
+
+def time_together(
+    values: Sequence[object], runs: Sequence[tuple[Model, list[EncodedFrame]]]
+) -> dict[str, Any]:
+    """Return a curve: the summaries of `runs`, one for each of `values`.
+
+    The runs take turns frame by frame, so that what else the machine does slows down all alike.
+    """
+    tell(f'{len(runs)} runs, for {", ".join(map(str, values))}')
+    setups = []
+    for model, frames in runs:
+        estimator = Estimator(model)
+        setups.append(Setup(estimator, warm_up(estimator, frames)))
+    clocks = [time_frames(estimator, frames, compare=False) for estimator, frames in setups]
+    turns = list(zip(*clocks, strict=False))
+    columns = [summarise_times(times) for times in zip(*turns, strict=True)]
+    return {
+        'values': list(values),
+        'frames': len(turns),
+        'stages': {
+            stage: {
+                'ms_p50': [column[stage].ms_p50 for column in columns],
+                'ms_p95': [column[stage].ms_p95 for column in columns],
+            }
+            for stage in columns[0]
+        },
+    }
+
+
+def people(width: int, height: int, number: int = 1) -> list[EncodedFrame]:
+    """Return the frames that are timed: the same vertical field of view at every size."""
+    vertical = math.tan(math.radians(0.5 * _TIMED.field_of_view)) * 0.75
+    field_of_view = 2 * math.degrees(math.atan(vertical * width / height))
+    settings = _TIMED._replace(
+        width=width, height=height, people=number, field_of_view=field_of_view
+    )
+    return [encode_frame(frame) for frame in synthetic_frames(settings)]
+
+
+def _choose_bodies(width: int, height: int, count: int) -> Iterator[EncodedFrame]:
+    """Yield frames of four people of whom `count` are in the mask, each of them equally often."""
+    for number, encoded in enumerate(people(width, height, max(BODIES))):
+        depth, labels = decode_frame(encoded)
+        bodies = [1 + (number + k) % max(BODIES) for k in range(count)]
+        labels[~np.isin(labels, bodies)] = NO_BODY
+        yield encode_frame(Frame(number, 'camera', depth, labels, encoded.camera, None))
+
+
+def with_settings(model: Model, **settings: int) -> Model:
+    """Return `model` with some of its settings changed."""
+    return model._replace(settings=model.settings._replace(**settings))
+
+
+def with_trees(model: Model, trees: int) -> Model:
+    """Return `model` with its first `trees` trees."""
+    return model._replace(forest=model.forest._replace(roots=model.forest.roots[:trees]))
+
+
+def tell(sentence: str) -> None:
+    """Say on stderr what is being done."""
+    sys.stderr.write(f'curves: {sentence}\n')
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,181 @@
+"""`lsc_pose bench`."""
+
+import json
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.cli import bench_command
+from lsc_pose_ros.cli.bench_results import bench_results
+from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.core.frame import NO_BODY
+from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.benchmark import FrameTimes
+from lsc_pose_ros.learning.encoded_frame import encode_frame
+
+STAGES = [
+    'decode', 'smooth + silhouette', 'descriptor', 'forest', 'votes', 'densities + graph', 'whole',
+]  # fmt: skip
+COMPARED = ['smooth + silhouette', 'descriptor', 'densities + graph', 'whole']
+
+
+@pytest.fixture(scope='module')
+def recording(people, tmp_path_factory):
+    path = tmp_path_factory.mktemp('recording') / 'people.mcap'
+    with RecordingWriter(path) as writer:
+        for frame in people[:40]:
+            writer.write_frame(frame)
+    return str(path)
+
+
+def complaint(capsys, words):
+    """Return the one line that `words` end with, and no traceback."""
+    assert main([str(word) for word in words]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    return line
+
+
+def bench(*words, folder):
+    """Run the command with `words`; return what it writes."""
+    path = folder / 'bench.json'
+    assert main(['bench', *map(str, words), '--json', str(path)]) == 0
+    return json.loads(path.read_text())
+
+
+def test_a_recording_is_timed_and_compared(small_model_file, recording, tmp_path, capsys):
+    words = [recording, '--model', small_model_file, '--frames', 8]
+    results = bench(*words, folder=tmp_path)
+    assert results['frames'] == 8
+    assert results['size'] == '160x120'
+    assert results['points'] == results['query_points'] == 150
+    assert (results['trees'], results['joints']) == (2, 8)
+    assert results['bodies_per_frame'] == 1
+    assert results['model'] == str(small_model_file)
+    assert results['recording'] == recording
+    assert list(results['stages']) == STAGES
+    for name, stage in results['stages'].items():
+        assert set(stage) == {'ms_p50', 'ms_p95', 'plain_ms_p50', 'ratio_to_plain'}
+        assert 0 < stage['ms_p50'] <= stage['ms_p95']
+        if name in COMPARED:
+            ratio = stage['plain_ms_p50'] / stage['ms_p50']
+            assert stage['ratio_to_plain'] == pytest.approx(ratio)
+        else:
+            assert stage['ratio_to_plain'] is None
+    # No mean of positive numbers is below half of their median.
+    assert 0 < results['frames_per_second'] <= 2000 / results['stages']['whole']['ms_p50']
+    assert results['apart_from_plain_mm']['max'] < 5
+    assert set(results['versions']) == {'lsc_pose_ros', 'python', 'numpy', 'numba'}
+    assert results['machine']['cores_used'] == 1
+    assert results['machine']['processor']
+
+    table = capsys.readouterr().out.splitlines()
+    assert [line[:20].strip() for line in table[1:8]] == STAGES
+    assert [line.split()[-1] == '-' for line in table[1:8]] == [
+        name not in COMPARED for name in STAGES
+    ]
+    assert '8 frames of 160x120' in table[9]
+
+
+def test_frames_per_second_are_those_of_all_frames_together(small_model_file, people):
+    model, frame = load_model(small_model_file), encode_frame(people[0])
+    times = [
+        FrameTimes(dict.fromkeys(STAGES, seconds), {}, np.zeros((1, 8), np.float32))
+        for seconds in (0.001, 0.001, 0.007)
+    ]
+    results = bench_results(model, [frame] * 3, times)
+    assert results['frames_per_second'] == pytest.approx(3 / 0.009)
+
+
+def test_synthetic_frames_have_the_size_and_the_people_asked_for(small_model_file, tmp_path):
+    words = ['--model', small_model_file, '--frames', 4, '--size', '200x150', '--people', 2]
+    results = bench(*words, '--points', 90, '--query-points', 30, folder=tmp_path)
+    assert results['size'] == '200x150'
+    assert results['frames'] == 4
+    assert results['bodies_per_frame'] == 2
+    assert (results['points'], results['query_points']) == (90, 30)
+    assert results['recording'] == 'synthetic'
+
+
+def test_fewer_points_than_the_model_would_let_vote_all_vote(small_model_file, tmp_path):
+    words = ['--model', small_model_file, '--frames', 1, '--points', 80]
+    results = bench(*words, folder=tmp_path)
+    assert results['points'] == results['query_points'] == 80
+
+
+def test_without_any_model_a_small_one_is_trained_and_told_of(monkeypatch, tmp_path, capsys):
+    def none() -> None:
+        msg = 'no model comes with this package'
+        raise InputError(msg)
+
+    quick = bench_command.TRAINING._replace(frames=6, width=160, height=120)
+    monkeypatch.setattr(bench_command, 'default_model', none)
+    monkeypatch.setattr(bench_command, 'TRAINING', quick)
+    results = bench('--frames', 2, '--size', '160x120', '--points', 60, folder=tmp_path)
+    assert results['model'] == 'trained in this run on 6 synthetic frames'
+    assert results['joints'] == 17
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    assert 'trained in this run on 6 synthetic frames' in line
+
+
+def test_the_model_of_the_package_is_the_default(small_model_file, monkeypatch, tmp_path):
+    monkeypatch.setattr(bench_command, 'default_model', lambda: small_model_file)
+    results = bench('--frames', 1, '--size', '160x120', folder=tmp_path)
+    assert results['model'] == str(small_model_file)
+    assert results['joints'] == len(load_model(small_model_file).joints)
+
+
+def test_training_and_timing_are_of_different_people():
+    assert bench_command.TRAINING.seed != bench_command.TIMED.seed
+
+
+def test_frames_with_nobody_are_told_of(small_model_file, people, tmp_path, capsys):
+    path = tmp_path / 'partly.mcap'
+    nobody = np.full_like(people[0].labels, NO_BODY)
+    with RecordingWriter(path) as writer:
+        for number, frame in enumerate(people[:6]):
+            writer.write_frame(frame._replace(labels=nobody) if number < 2 else frame)
+    assert bench(path, '--model', small_model_file, folder=tmp_path)['frames'] == 4
+    assert '2 of 6 frames show nobody' in capsys.readouterr().err
+
+
+def test_a_recording_of_nobody(small_model_file, people, tmp_path, capsys):
+    path = tmp_path / 'empty.mcap'
+    with RecordingWriter(path) as writer:
+        for frame in people[:3]:
+            writer.write_frame(frame._replace(labels=np.full_like(frame.labels, NO_BODY)))
+    line = complaint(capsys, ['bench', path, '--model', small_model_file])
+    assert 'nobody is seen well enough in any of 3 frames' in line
+
+
+@pytest.mark.parametrize('words', [['--size', '320x240'], ['--people', '2']])
+def test_what_is_for_synthetic_frames_does_not_go_with_a_recording(words, recording, capsys):
+    line = complaint(capsys, ['bench', recording, *words])
+    assert '--size and --people are for synthetic frames' in line
+
+
+def test_more_votes_than_points(small_model_file, capsys):
+    words = ['bench', '--model', small_model_file, '--frames', '1', '--query-points', '151']
+    assert '--query-points 151 of 150 points' in complaint(capsys, words)
+
+
+def test_a_missing_recording_and_a_missing_model(recording, tmp_path, capsys):
+    assert 'gone.mcap' in complaint(capsys, ['bench', tmp_path / 'gone.mcap'])
+    words = ['bench', recording, '--model', tmp_path / 'gone.npz']
+    assert 'gone.npz' in complaint(capsys, words)
+
+
+@pytest.mark.parametrize(
+    'words', [['--size', 'large'], ['--size', '320'], ['--frames', '0'], ['--points', '-1']]
+)
+def test_words_out_of_reason_end_with_two(words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(['bench', *words])
+    assert stop.value.code == 2
+    assert words[0] in capsys.readouterr().err
+
+
+def test_a_size_that_cannot_be_generated(small_model_file, capsys):
+    words = ['bench', '--model', small_model_file, '--size', '4x4']
+    assert 'size is 4x4' in complaint(capsys, words)
