@@ -87,11 +87,12 @@ def label_pixels(pixels: NDArray[np.generic], background: int = 0) -> NDArray[np
     Raises:
         InputError: a body number is not within 0 to 65535.
     """
+    empty = pixels == background
     labels = pixels.astype(np.int32)
-    foreground = labels != background
     if pixels.dtype.kind == 'i':
-        _check_numbers(labels, foreground)
-    return np.where(foreground, labels, np.int32(NO_BODY))
+        _check_numbers(labels, ~empty)
+    np.copyto(labels, np.int32(NO_BODY), where=empty)
+    return labels
 
 
 def _check_numbers(labels: NDArray[np.int32], foreground: NDArray[np.bool_]) -> None:

@@ -9,10 +9,10 @@ from lsc_pose_ros.core.falloff import falloff
 from lsc_pose_ros.core.jit import kernel
 
 # A mode is found when a step is shorter than this share of the bandwidth.
-_STANDSTILL = 1e-3
+_STANDSTILL = 1e-2
 _MOST_STEPS = 50
 # Another mode is not looked for where the density is below this share of its largest value.
-FAINT = np.float32(0.1)
+FAINT = np.float32(0.2)
 
 
 # x, y, z in metres, single precision; what is given may be a row of an array as well.

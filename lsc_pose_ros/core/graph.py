@@ -156,9 +156,9 @@ def _uphill(
     x, y, z = precision * place[0], precision * place[1], precision * place[2]
     for edge in range(structure.edges.shape[0]):
         parent, child = structure.edges[edge]
-        cloud = votes_for(pairs, edge)
-        if joint not in (parent, child) or cloud.x.shape[0] == 0:
+        if joint not in (parent, child) or pairs.start[edge] == pairs.start[edge + 1]:
             continue
+        cloud = votes_for(pairs, edge)
         other = parent if joint == child else child
         if math.isnan(places[other, 0]):
             continue

@@ -132,9 +132,9 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
         for di in range(-1, 2):
             for dj in range(-1, 2):
                 if di != 0 or dj != 0:
-                    step = np.float32(dj / camera.fx), np.float32(di / camera.fy)
+                    step = np.float32(dj / camera.fx), np.float32(di / camera.fy), down, scale
                     other = depth[i + di, 1 + dj : count + 1 + dj]
-                    _add_neighbours(centre, other, (right, down), step, scale, (total, weights))
+                    _add_neighbours(centre, other, right, step, total, weights)
         for j in range(count):
             if centre[j] < _UNSEEN:
                 smoothed[i, j + 1] = total[j] / weights[j]
@@ -145,23 +145,27 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
 def _add_neighbours(
     centre: NDArray[np.float32],
     other: NDArray[np.float32],
-    direction: tuple[NDArray[np.float32], np.float32],
-    step: tuple[np.float32, np.float32],
-    scale: np.float32,
-    sums: tuple[NDArray[np.float32], NDArray[np.float32]],
+    right: NDArray[np.float32],
+    step: tuple[np.float32, np.float32, np.float32, np.float32],
+    total: NDArray[np.float32],
+    weights: NDArray[np.float32],
 ) -> None:
-    """Add a row's neighbours, one `step` of direction away, to the weighted sums."""
-    right, down = direction
-    total, weights = sums
+    """Add a row's neighbours to the weighted sums.
+
+    `step` is how far away they are, right and down, in units of depth; how far down the row
+    itself looks, in the same unit; and 1 / (2 sigma^2).
+    """
+    right_step, down_step, down, scale = step
     for j in range(len(centre)):
         dz = other[j] - centre[j]
-        dx = right[j] * dz + step[0] * other[j]
-        dy = down * dz + step[1] * other[j]
+        dx = right[j] * dz + right_step * other[j]
+        dy = down * dz + down_step * other[j]
         weight = falloff(scale * (dx * dx + dy * dy + dz * dz))
         # Infinity and NaN have gone through the arithmetic; here they are left out.
         seen = other[j] < _UNSEEN
-        weights[j] += weight if seen else np.float32(0)
-        total[j] += weight * other[j] if seen else np.float32(0)
+        weight = weight if seen else np.float32(0)
+        weights[j] += weight
+        total[j] += weight * (other[j] if seen else np.float32(0))
 
 
 @kernel

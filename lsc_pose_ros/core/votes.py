@@ -59,24 +59,19 @@ def cast_votes(
         origins: what the offsets are added to: the points in metres, or zeros for pairs, (N, 3).
         poll: how many targets and votes, and the scale.
     """
-    counts = _count(votes, leaves, poll.targets)
-    bounds = np.zeros(poll.targets + 1, np.int64)
-    bounds[1:] = np.cumsum(counts)
-    vote = np.empty(bounds[-1], np.int32)
-    origin = np.empty(bounds[-1], np.int32)
-    _collect(votes, leaves, bounds[:-1].copy(), (vote, origin))
+    gathered = _gather(votes, leaves, poll.targets)
+    counts = gathered.counts
     start = np.zeros(poll.targets + 1, np.int64)
     start[1:] = np.cumsum(np.minimum(counts, poll.heaviest))
     x, y, z, weight = np.empty((4, start[-1]), np.float32)
     scale = np.float32(poll.scale)
     for target in range(poll.targets):
-        mine = vote[bounds[target] : bounds[target + 1]]
-        kept = _heaviest(votes.weight[mine], poll.heaviest)
+        kept = _heaviest(gathered.weight[target, : counts[target]], poll.heaviest)
         for n in range(len(kept)):
-            entry = mine[kept[n]]
-            point = origin[bounds[target] + kept[n]]
+            entry = gathered.entry[target, kept[n]]
+            point = gathered.point[target, kept[n]]
             row = start[target] + n
-            weight[row] = votes.weight[entry]
+            weight[row] = gathered.weight[target, kept[n]]
             x[row] = origins[point, 0] + scale * votes.offset[entry, 0]
             y[row] = origins[point, 1] + scale * votes.offset[entry, 1]
             z[row] = origins[point, 2] + scale * votes.offset[entry, 2]
@@ -93,33 +88,45 @@ def votes_for(cast: CastVotes, target: int) -> Cloud:
     )
 
 
+class _Gathered(NamedTuple):
+    """The votes for each target, in the order of points and trees.
+
+    Attributes:
+        counts: how many each target has, shape (targets,).
+        entry: which of the forest's votes they are, shape (targets, most).
+        point: who casts them, shape (targets, most).
+        weight: shape (targets, most).
+    """
+
+    counts: NDArray[np.int64]
+    entry: NDArray[np.int32]
+    point: NDArray[np.int32]
+    weight: NDArray[np.float32]
+
+
 @kernel
-def _count(votes: Votes, leaves: NDArray[np.int32], targets: int) -> NDArray[np.int64]:
-    counts = np.zeros(targets, np.int64)
+def _gather(votes: Votes, leaves: NDArray[np.int32], targets: int) -> _Gathered:
+    # The leaves lie anywhere in memory, so each is read once, into as much room as all could need.
+    most = 0
     for point in range(leaves.shape[0]):
         for tree in range(leaves.shape[1]):
             leaf = leaves[point, tree]
-            for entry in range(votes.start[leaf], votes.start[leaf + 1]):
-                counts[votes.target[entry]] += 1
-    return counts
-
-
-@kernel
-def _collect(
-    votes: Votes,
-    leaves: NDArray[np.int32],
-    following: NDArray[np.int64],
-    into: tuple[NDArray[np.int32], NDArray[np.int32]],
-) -> None:
-    vote, origin = into
+            most += votes.start[leaf + 1] - votes.start[leaf]
+    counts = np.zeros(targets, np.int64)
+    entries = np.empty((targets, most), np.int32)
+    points = np.empty((targets, most), np.int32)
+    weights = np.empty((targets, most), np.float32)
     for point in range(leaves.shape[0]):
         for tree in range(leaves.shape[1]):
             leaf = leaves[point, tree]
             for entry in range(votes.start[leaf], votes.start[leaf + 1]):
                 target = votes.target[entry]
-                vote[following[target]] = entry
-                origin[following[target]] = point
-                following[target] += 1
+                place = counts[target]
+                entries[target, place] = entry
+                points[target, place] = point
+                weights[target, place] = votes.weight[entry]
+                counts[target] = place + 1
+    return _Gathered(counts, entries, points, weights)
 
 
 @kernel

@@ -9,7 +9,7 @@ from lsc_pose_ros.core.density import FAINT, squared_distance
 from lsc_pose_ros.core.jit import kernel
 
 # A mode is found when a step is shorter than this share of the bandwidth.
-_STANDSTILL = 1e-3
+_STANDSTILL = 1e-2
 _MOST_STEPS = 50
 
 
