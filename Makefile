@@ -23,12 +23,13 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install test lint test-floor test-newest demo clean
+.PHONY: help install test lint test-floor test-newest demo benchmarks clean
 
 help:
 	@echo 'make demo     train on synthetic people, start the live node, check what it answers'
 	@echo 'make test     linters, types, import contract, tests on the oldest and newest numpy'
 	@echo 'make install  the environment $(VENV) alone, with the ROS wheels unless Jazzy is sourced'
+	@echo 'make benchmarks   the curves of benchmarks/, on a machine that does nothing else'
 	@echo 'make clean    remove all that these made'
 
 install: $(VENV)/installed
@@ -55,6 +56,9 @@ endif
 
 demo: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.demo --directory demo
+
+benchmarks: $(VENV)/installed
+	$(BIN)/python benchmarks/curves.py
 
 clean:
 	rm -rf $(VENV) $(FLOOR) demo build install log dist *.egg-info

@@ -1,9 +1,12 @@
 """How the numeric kernels are compiled: one decorator for all of them."""
 
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar
+from contextlib import suppress
+from typing import Any, ParamSpec, TypeVar
 
 import numba
+
+from lsc_pose_ros.core.kernel_cache import KernelCache
 
 # Depth images hold NaN and infinity, so `nnan` and `ninf` must stay out of this set.
 FASTMATH = {'nsz', 'arcp', 'contract', 'afn', 'reassoc'}
@@ -14,15 +17,22 @@ _Result = TypeVar('_Result')
 
 def kernel(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
     """Compile `function` for one core; it releases the GIL and its code is kept on disk."""
-    compiled: Callable[_Parameters, _Result] = numba.njit(
-        cache=True, nogil=True, error_model='numpy', fastmath=FASTMATH
-    )(function)
-    return compiled
+    return _compile(function, parallel=False)
 
 
 def parallel_kernel(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
     """Compile `function` so that its `numba.prange` loops use all cores; for training only."""
-    compiled: Callable[_Parameters, _Result] = numba.njit(
-        cache=True, nogil=True, error_model='numpy', fastmath=FASTMATH, parallel=True
+    return _compile(function, parallel=True)
+
+
+def _compile(
+    function: Callable[_Parameters, _Result], *, parallel: bool
+) -> Callable[_Parameters, _Result]:
+    compiled: Any = numba.njit(
+        nogil=True, error_model='numpy', fastmath=FASTMATH, parallel=parallel
     )(function)
-    return compiled
+    with suppress(RuntimeError, OSError):  # nowhere to keep it: every process compiles anew
+        # What `cache=True` does with numba's own cache.
+        compiled._cache = KernelCache(function)  # noqa: SLF001
+    result: Callable[_Parameters, _Result] = compiled
+    return result

@@ -1,13 +1,17 @@
 """The live node: listens, lets the worker estimate, publishes."""
 
+import threading
+import time
 import traceback
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from lsc_pose_ros.core.kernel_cache import describe_cache
+from lsc_pose_ros.core.warm_up import warm_up
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.resources import resource
-from lsc_pose_ros.ros.estimation import load_estimator, warm_up
+from lsc_pose_ros.ros.estimation import load_estimator
 from lsc_pose_ros.ros.inputs import Inputs
 from lsc_pose_ros.ros.messages import Pair, frame_of
 from lsc_pose_ros.ros.outputs import Outputs
@@ -20,6 +24,9 @@ WATCH_PERIOD = 5.0
 
 # A standing trouble is told this often, seconds.
 REMINDER_PERIOD = 30.0
+
+# Kernels that are kept on disk are ready within this time, seconds.
+QUICK_START = 3.0
 
 
 class PoseNode(Node):
@@ -40,9 +47,8 @@ class PoseNode(Node):
         self._reports = Reports(self.get_logger())
         self._reminders = Reports(self.get_logger(), REMINDER_PERIOD)
         self._estimator = load_estimator(self._settings)
-        self.get_logger().info('compiling the kernels; the first time this takes a while')
         self._outputs = Outputs(self, self._settings, self._estimator.model.edges)
-        self._outputs.rehearse(warm_up(self._estimator))
+        self._warm_up()
         self._worker: Worker[Pair] = Worker(self._answer, self._fail, 'estimation')
         self._worker.start()
         self._inputs = Inputs(self, self._settings, self._reports, self._worker.submit)
@@ -55,6 +61,19 @@ class PoseNode(Node):
         """Stop listening and wait for the worker; no more is published afterwards."""
         self._inputs.close()
         self._worker.close()
+
+    def _warm_up(self) -> None:
+        """Do once all that an answer takes, for the first time takes far longer."""
+        begin = time.monotonic()
+        notice = 'compiling the kernels, which takes about half a minute'
+        patience = threading.Timer(QUICK_START, self.get_logger().info, [notice])
+        patience.start()
+        try:
+            self._outputs.rehearse(warm_up(self._estimator))
+        finally:
+            patience.cancel()
+        seconds = time.monotonic() - begin
+        self.get_logger().info(f'kernels ready in {seconds:.1f} s ({describe_cache()})')
 
     def _answer(self, pair: Pair) -> None:
         """Answer one depth image; in the worker's thread."""

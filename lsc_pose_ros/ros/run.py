@@ -33,5 +33,9 @@ def run_node(words: list[str] | None = None) -> None:
             node.destroy_node()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass  # the ordinary ends
+    except RuntimeError:
+        if rclpy.ok():
+            raise
+        # Told to stop while it was starting: nothing more can be made of ROS.
     finally:
         rclpy.try_shutdown()

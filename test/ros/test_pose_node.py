@@ -313,8 +313,8 @@ def test_signal_ends_the_node_at_once_and_quietly(
 def test_signal_ends_the_node_while_it_starts(
     start: Callable[..., Program], small_model_file: Path
 ) -> None:
-    node = start(SLOW_NODE, 1, '--ros-args', '-p', f'model:={small_model_file}')
-    assert node.says('compiling')
+    node = start(SLOW_NODE, 10, '--ros-args', '-p', f'model:={small_model_file}')
+    assert node.says('compiling the kernels')
     assert node.ends(signal.SIGINT) == 0
     assert 'Traceback' not in node.output
 

@@ -1,0 +1,61 @@
+"""Compile all kernels now: `python -m lsc_pose_ros.compile`.
+
+What is first needed is compiled then, which takes a while, and kept on disk. This does it
+beforehand, as a part of an installation; run it as the user who will run the programs, on the
+computer that they will run on.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
+from lsc_pose_ros.core.kernel_cache import describe_cache
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.rvl import encode_rvl
+from lsc_pose_ros.core.warm_up import warm_up
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.learning.growth import BRANCH_SAMPLES, GrowthSettings, grow_tree
+from lsc_pose_ros.learning.train import TrainingSettings, train
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Compile all kernels, say how long it took and where they are kept, and return 0."""
+    description, _, more = (__doc__ or '').partition('\n\n')
+    argparse.ArgumentParser(
+        prog='python -m lsc_pose_ros.compile', description=description, epilog=more
+    ).parse_args(words)
+    begin = time.monotonic()
+    compile_kernels()
+    seconds = time.monotonic() - begin
+    sys.stdout.write(f'all kernels ready in {seconds:.1f} s ({describe_cache()})\n')
+    return 0
+
+
+def compile_kernels() -> None:
+    """Call every kernel once: synthetic people, training, estimation, RVL images."""
+    model = _train()
+    for graph in (True, False):
+        warm_up(Estimator(model, graph=graph))
+    encode_rvl(np.zeros(1, np.uint16))
+
+
+def _train() -> Model:
+    """Train on two frames of two people, and grow the trunk of a tree, which takes far more."""
+    training = TrainingSettings(numbers_of(DEFAULT_JOINTS), trees=1)
+    settings = SyntheticSettings(frames=2, people=2)
+    model = train(synthetic_frames(settings), training, {})
+    rng = np.random.default_rng(0)
+    levels = rng.integers(0, 256, (DESCRIPTOR_SIZE, BRANCH_SAMPLES), np.uint8)
+    weights = np.ones((BRANCH_SAMPLES, len(training.joints)), np.float32)
+    grow_tree(levels, weights, GrowthSettings(depth=1), rng)
+    return model
+
+
+if __name__ == '__main__':
+    sys.exit(main())

@@ -1,0 +1,78 @@
+"""The node's start: how soon it answers once the kernels are kept on disk, and being stopped."""
+
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
+
+from live_ros import Camera, Ear, Program
+
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.kernel_cache import cache_directory, describe_cache
+from lsc_pose_ros.core.warm_up import warm_up
+from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+
+# Seconds; the second and the third include what a busy computer takes to load Python and ROS and
+# to let the programs find each other.
+MOST_FOR_FIRST_FRAME = 2.0
+MOST_UNTIL_READY = 10.0
+MOST_UNTIL_ANSWERED = 15.0
+
+# The node with a warm-up that takes long, as where nothing is kept yet.
+SLOW_START = """
+import sys
+import time
+
+from lsc_pose_ros.ros import node
+from lsc_pose_ros.ros.main import main
+
+def compile_slowly(estimator):
+    print('compiling', flush=True)
+    for _ in range(20):
+        time.sleep(0.1)
+    return warm_up(estimator)
+
+warm_up, node.warm_up = node.warm_up, compile_slowly
+sys.exit(main())
+"""
+
+
+def test_first_frame_is_answered_within_two_seconds(
+    start: Callable[..., Program], camera: Camera, ear: Ear, small_model_file: Path
+) -> None:
+    if cache_directory() is None:
+        pytest.skip('no folder can be written, so the kernels are kept nowhere')
+    warm_up(Estimator(load_model(small_model_file)))
+    frame = next(synthetic_frames(SyntheticSettings(frames=1, seed=9)))
+    model = f'model:={small_model_file}'
+    begin = time.monotonic()
+    node = start('-m', 'lsc_pose_ros.ros.main', '--ros-args', '-p', model)
+    assert node.says('ready: listening'), node.output
+    ready = time.monotonic()
+    ear.wait_for_node()
+    camera.wait_for_node()
+    sent = time.monotonic()
+    camera.send(frame)
+    assert ear.wait_for(1), node.output
+    answered = time.monotonic()
+    assert answered - sent < MOST_FOR_FIRST_FRAME, node.output
+    assert ready - begin < MOST_UNTIL_READY, node.output
+    assert answered - begin < MOST_UNTIL_ANSWERED, node.output
+    (line,) = (each for each in node.output.splitlines() if 'kernels' in each)
+    assert '[INFO]' in line
+    assert line.endswith(f'({describe_cache()})')
+
+
+def test_node_that_is_told_to_end_while_it_compiles_does_so_quietly(
+    start: Callable[..., Program], small_model_file: Path
+) -> None:
+    node = start('-c', SLOW_START, '--ros-args', '-p', f'model:={small_model_file}')
+    assert node.says('compiling'), node.output
+    assert node.ends(signal.SIGTERM) == 0, node.output
+    assert 'Traceback' not in node.output
+    assert 'ready: listening' not in node.output

@@ -1,0 +1,158 @@
+"""Start-up: what is compiled beforehand is all that is needed later.
+
+Each test is a program of its own, since what another test has compiled would hide a gap.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lsc_pose_ros
+from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+
+COUNT = """
+import sys
+
+from numba.core.dispatcher import Dispatcher
+
+def compiled():
+    \"\"\"What is compiled or loaded: the kernels, and the types of their arguments.\"\"\"
+    modules = [module for name, module in sys.modules.items() if name.startswith('lsc_pose_ros')]
+    kernels = [each for m in modules for each in vars(m).values() if isinstance(each, Dispatcher)]
+    return {f'{k.__module__}.{k.__name__}{types}' for k in kernels for types in k.signatures}
+"""
+
+LIVE = """
+import json
+
+import numpy as np
+
+from lsc_pose_ros.core.camera import Intrinsics
+from lsc_pose_ros.core.decode import ImageLayout
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.warm_up import warm_up
+from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data.recording import open_frames
+from lsc_pose_ros.data.recording.images import depth_of, labels_of
+from lsc_pose_ros.data.recording.messages import CompressedImageMessage, ImageMessage
+
+def image(pixels, encoding, padding=0):
+    pixels = np.pad(pixels, ((0, 0), (0, padding)))
+    layout = ImageLayout(
+        encoding, len(pixels), pixels.shape[1] - padding, pixels.strides[0],
+        pixels.dtype.byteorder == '>',
+    )
+    return ImageMessage(0, '', layout, np.frombuffer(pixels.tobytes(), np.uint8))
+
+def compressed(pixels, codec):
+    form, data = encode_compressed_depth(pixels, codec)
+    return CompressedImageMessage(0, '', form, np.frombuffer(data, np.uint8))
+
+def messages(frame):
+    millimetres = np.rint(1000 * frame.depth).astype('<u2')
+    metres = frame.depth.astype('<f4')
+    numbers = np.maximum(frame.labels, 0)
+    masks = [
+        image(numbers.astype('u1'), 'mono8'), image(numbers.astype('u1'), 'mono8', 3),
+        image(numbers.astype('<u2'), '16UC1'), image(numbers.astype('>i4'), '32SC1'),
+    ]
+    depths = [
+        image(millimetres, '16UC1'), image(millimetres.astype('>u2'), '16UC1', 3),
+        image(metres, '32FC1'), image(metres, '32FC1', 5),
+        compressed(millimetres, 'png'), compressed(millimetres, 'rvl'),
+    ]
+    for depth, mask in zip(depths, masks + masks):
+        yield depth, mask, frame.camera
+
+model, recording, graph = sys.argv[1], sys.argv[2], bool(int(sys.argv[3]))
+sent = [message for frame in open_frames(recording) for message in messages(frame)]
+estimator = Estimator(load_model(model), graph=graph)
+warm_up(estimator)
+before = compiled()
+seen = [0, 0, 0]
+for depth, mask, camera in sent:
+    depth, labels = depth_of(depth), labels_of(mask, 0)
+    skeletons = estimator.estimate(depth, labels, camera)
+    seen[np.isfinite(skeletons.positions[:, :, 0]).any(axis=1).sum()] += 1
+for _ in range(2):
+    labels[:] = -1
+    estimator.estimate(depth, labels, camera)
+    labels[100, 100] = 1
+print(json.dumps({'before': len(before), 'later': sorted(compiled() - before), 'seen': seen}))
+"""
+
+ALL = """
+import json
+
+import numpy as np
+
+from lsc_pose_ros import compile
+
+assert compile.main([]) == 0
+before = compiled()
+
+from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.data.compressed_depth import decode_compressed_depth, encode_compressed_depth
+
+recording, model = sys.argv[1] + '/people.mcap', sys.argv[1] + '/model.npz'
+for words in (
+    ['synth', recording, '--frames', '60'],
+    ['train', recording, '-o', model, '--trees', '1', '--depth', '3'],
+    ['evaluate', model, recording],
+    ['evaluate', model, recording, '--no-graph'],
+):
+    assert main(words) == 0
+form, data = encode_compressed_depth(np.ones((3, 4), np.uint16), 'rvl')
+assert (decode_compressed_depth(data, form) == 1).all()
+print(json.dumps({'before': len(before), 'later': sorted(compiled() - before)}))
+"""
+
+
+def run(code: str, *words: object) -> list[str]:
+    paths = [str(Path(lsc_pose_ros.__file__).parents[1]), os.environ.get('PYTHONPATH', '')]
+    done = subprocess.run(
+        [sys.executable, '-c', code, *map(str, words)],
+        env=os.environ | {'PYTHONPATH': os.pathsep.join(filter(None, paths))},
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+@pytest.fixture(scope='module')
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A frame of one person and one of two."""
+    path = tmp_path_factory.mktemp('start_up') / 'frames.mcap'
+    with RecordingWriter(path) as writer:
+        for people in (1, 2):
+            for frame in synthetic_frames(SyntheticSettings(frames=1, people=people, seed=3)):
+                writer.write_frame(frame._replace(stamp=frame.stamp + people))
+    return path
+
+
+@pytest.mark.parametrize('graph', [True, False])
+def test_no_frame_compiles_anything_after_the_warm_up(
+    *, graph: bool, small_model_file: Path, recording: Path
+) -> None:
+    report = json.loads(run(COUNT + LIVE, small_model_file, recording, int(graph))[-1])
+    assert report['seen'] == [0, 6, 6]
+    assert report['before'] >= 10
+    assert report['later'] == []
+
+
+def test_no_command_compiles_anything_after_all_was_compiled(tmp_path: Path) -> None:
+    said, *_, last = run(COUNT + ALL, tmp_path)
+    assert re.fullmatch(r'all kernels ready in \d+\.\d s \(kept in .*\)', said)
+    report = json.loads(last)
+    assert report['before'] >= 15
+    assert report['later'] == []
