@@ -6,7 +6,6 @@ The file is what `numpy.savez_compressed` writes, read with `allow_pickle=False`
 import json
 import os
 import zipfile
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -97,7 +96,9 @@ def load_model(path: str | os.PathLike[str]) -> Model:
     except FileNotFoundError as error:
         msg = f'there is no model file {source}; make one with `lsc_pose train`'
         raise InputError(msg) from error
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+    except InputError:
+        raise
+    except Exception as error:  # numpy lets through whatever a damaged file makes it stumble on
         raise _wrong(source, str(error) or type(error).__name__) from error
     return _assemble(source, header, arrays)
 

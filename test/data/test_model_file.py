@@ -212,6 +212,20 @@ def test_damage_gives_an_input_error_or_a_sound_model(small_model_file, tmp_path
         assert len(model.joints)
 
 
+def test_a_broken_description_of_an_array(small_model_file, tmp_path):
+    """Numpy reads it as Python's words and lets a TokenError or SyntaxError through."""
+    path = tmp_path / 'damaged.npz'
+    for words in (b"{'descr': '|u1', ", b"{'descr': (\x13)}", b'[(' * 40):
+        with zipfile.ZipFile(small_model_file) as old, zipfile.ZipFile(path, 'w') as new:
+            for name in old.namelist():
+                data = old.read(name)
+                if name == 'left.npy':
+                    data = data[:8] + len(words).to_bytes(2, 'little') + words
+                new.writestr(name, data)
+        with pytest.raises(InputError, match=r'damaged\.npz is not a usable model'):
+            load_model(path)
+
+
 def test_an_interrupted_write_leaves_the_old_file_and_no_other(small_model, tmp_path, monkeypatch):
     path = tmp_path / 'model.npz'
     path.write_bytes(b'old')
