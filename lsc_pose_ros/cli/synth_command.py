@@ -1,9 +1,9 @@
 """`lsc_pose synth`: a labelled recording of synthetic people, to try and to test with."""
 
 import argparse
-import re
 from pathlib import Path
 
+from lsc_pose_ros.cli.image_size import image_size
 from lsc_pose_ros.cli.progress import progress
 from lsc_pose_ros.data.recording import RecordingWriter
 from lsc_pose_ros.data.synthetic.generator import NOISES, SyntheticSettings, synthetic_frames
@@ -110,7 +110,7 @@ def _add_people(parser: argparse.ArgumentParser) -> None:
 def _add_camera(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--size',
-        type=_size,
+        type=image_size,
         default=f'{_DEFAULTS.width}x{_DEFAULTS.height}',
         metavar='WIDTHxHEIGHT',
         help='of the image, pixels',
@@ -125,16 +125,3 @@ def _add_camera(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--noise', choices=NOISES, default=_DEFAULTS.noise, help="the sensor's noise"
     )
-
-
-def _size(word: str) -> tuple[int, int]:
-    """Return the width and the height that a word like 320x240 gives.
-
-    Raises:
-        ArgumentTypeError: it gives none.
-    """
-    match = re.fullmatch(r'(\d+)x(\d+)', word)
-    if match is None:
-        msg = f'{word!r} is no size; write it as 320x240'
-        raise argparse.ArgumentTypeError(msg)
-    return int(match[1]), int(match[2])

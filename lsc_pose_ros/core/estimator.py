@@ -115,13 +115,7 @@ class Estimator:
         """Prepare the model's numbers for the kernels."""
         self.model = model
         self.graph = graph
-        settings = model.settings
-        self._structure = Structure(
-            model.edges,
-            model.limb_lengths,
-            float(settings.joint_bandwidth),
-            float(settings.pair_weight),
-        )
+        self._structure = structure_of(model)
 
     @property
     def joints(self) -> NDArray[np.uint16]:
@@ -148,7 +142,7 @@ class Estimator:
             stages = self.stages(depth, labels, camera, int(body))
             if stages is not None:
                 positions[row] = stages.joints if self.graph else stages.alone
-                confidence[row] = _confidence(
+                confidence[row] = support(
                     stages.joint_votes, positions[row], self._structure.joint_bandwidth
                 )
         return Skeletons(bodies, self.model.joints, positions, confidence)
@@ -177,14 +171,25 @@ class Estimator:
         joint_votes = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)
         pair_poll = Poll(len(model.edges), settings.heaviest_votes, shape.scale)
         pair_votes = cast_votes(model.forest.pair_votes, leaves, np.zeros_like(points), pair_poll)
-        candidates = _find_candidates(joint_votes, settings.joint_bandwidth, settings.candidates)
-        alone = _places(candidates, np.minimum(candidates.counts, 1) - 1)
+        candidates = find_candidates(joint_votes, settings.joint_bandwidth, settings.candidates)
+        alone = places_of(candidates, np.minimum(candidates.counts, 1) - 1)
         chosen, joints = alone, alone
         if self.graph:
             which = best_candidates(self._structure, joint_votes, pair_votes, candidates)
-            chosen = _places(candidates, which)
+            chosen = places_of(candidates, which)
             joints = ascend(self._structure, joint_votes, pair_votes, chosen)
         return Stages(shape, joint_votes, pair_votes, candidates, alone, chosen, joints)
+
+
+def structure_of(model: Model) -> Structure:
+    """Return what the graph needs of a model (eq. 16, 17)."""
+    settings = model.settings
+    return Structure(
+        model.edges,
+        model.limb_lengths,
+        float(settings.joint_bandwidth),
+        float(settings.pair_weight),
+    )
 
 
 def bodies_in(labels: NDArray[np.int32]) -> NDArray[np.uint16]:
@@ -194,7 +199,8 @@ def bodies_in(labels: NDArray[np.int32]) -> NDArray[np.uint16]:
 
 
 @kernel
-def _find_candidates(votes: CastVotes, bandwidth: float, wanted: int) -> Candidates:
+def find_candidates(votes: CastVotes, bandwidth: float, wanted: int) -> Candidates:
+    """Return at most `wanted` modes of each joint's density; `bandwidth` in metres (eq. 14)."""
     joints = votes.start.shape[0] - 1
     places = np.full((joints, wanted, 3), np.nan, np.float32)
     counts = np.zeros(joints, np.int64)
@@ -205,14 +211,14 @@ def _find_candidates(votes: CastVotes, bandwidth: float, wanted: int) -> Candida
     return Candidates(places, counts)
 
 
-def _places(candidates: Candidates, which: NDArray[np.int64]) -> NDArray[np.float32]:
+def places_of(candidates: Candidates, which: NDArray[np.int64]) -> NDArray[np.float32]:
     """Return the chosen candidate of each joint, NaN where `which` is -1, shape (J, 3)."""
     places = candidates.places[np.arange(len(which)), np.maximum(which, 0)]
     return np.where(which[:, None] >= 0, places, np.float32(np.nan))
 
 
 @kernel
-def _confidence(
+def support(
     votes: CastVotes, places: NDArray[np.float32], bandwidth: float
 ) -> NDArray[np.float32]:
     """Return which share of the votes' weight supports each place, 0 to 1, shape (J,)."""

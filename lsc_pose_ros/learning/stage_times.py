@@ -15,13 +15,14 @@ from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.descriptor import describe, mean_distance
 from lsc_pose_ros.core.estimator import (
     FEWEST_POINTS,
-    _confidence,
-    _find_candidates,
-    _places,
     bodies_in,
+    find_candidates,
+    places_of,
+    structure_of,
+    support,
 )
 from lsc_pose_ros.core.forest import find_leaves
-from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
+from lsc_pose_ros.core.graph import Candidates, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.plain import density as plain_density
@@ -112,13 +113,7 @@ class _Way:
     def __init__(self, model: Model, kernels: Kernels) -> None:
         self._model = model
         self._kernels = kernels
-        settings = model.settings
-        self._structure = Structure(
-            model.edges,
-            model.limb_lengths,
-            float(settings.joint_bandwidth),
-            float(settings.pair_weight),
-        )
+        self._structure = structure_of(model)
         self.seconds = dict.fromkeys(STAGES, 0.0)
         self._last = time.perf_counter()
 
@@ -166,8 +161,8 @@ class _Way:
         bandwidth = settings.joint_bandwidth
         candidates = self._kernels.find_candidates(joints, bandwidth, settings.candidates)
         which = best_candidates(structure, joints, pairs, candidates)
-        places = ascend(structure, joints, pairs, _places(candidates, which))
-        confidence = _confidence(joints, places, structure.joint_bandwidth)
+        places = ascend(structure, joints, pairs, places_of(candidates, which))
+        confidence = support(joints, places, structure.joint_bandwidth)
         self.lap(DENSITIES)
         return places, confidence
 
@@ -200,7 +195,7 @@ def _find_candidates_plainly(votes: CastVotes, bandwidth: float, wanted: int) ->
     return Candidates(places, counts)
 
 
-FAST = Kernels(find_silhouette, mean_distance, describe, _find_candidates)
+FAST = Kernels(find_silhouette, mean_distance, describe, find_candidates)
 """What `Estimator` uses."""
 
 PLAIN = Kernels(
