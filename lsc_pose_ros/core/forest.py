@@ -52,12 +52,27 @@ def find_leaves(forest: Forest, levels: NDArray[np.uint8]) -> NDArray[np.int32]:
         forest: the trees.
         levels: quantised descriptors, shape (N, 360).
     """
-    leaves = np.empty((levels.shape[0], forest.roots.shape[0]), np.int32)
+    # All points go down a tree together, a step at a time: nodes lie anywhere in memory, and those
+    # of several points are fetched at once, while a point's next one is known only after its last.
+    count = levels.shape[0]
+    leaves = np.empty((count, forest.roots.shape[0]), np.int32)
+    nodes = np.empty(count, np.int32)
+    on_their_way = np.empty(count, np.int32)
     for tree in range(forest.roots.shape[0]):
-        for i in range(levels.shape[0]):
-            node = forest.roots[tree]
-            while forest.feature[node] >= 0:
-                goes_right = levels[i, forest.feature[node]] >= forest.threshold[node]
-                node = forest.left[node] + goes_right
-            leaves[i, tree] = forest.left[node]
+        for i in range(count):
+            nodes[i], on_their_way[i] = forest.roots[tree], i
+        walking = count
+        while walking:
+            still_walking = 0
+            for n in range(walking):
+                i, node = on_their_way[n], nodes[n]
+                feature, left = forest.feature[node], forest.left[node]
+                if feature < 0:
+                    leaves[i, tree] = left
+                else:
+                    goes_right = levels[i, feature] >= forest.threshold[node]
+                    nodes[still_walking] = left + goes_right
+                    on_their_way[still_walking] = i
+                    still_walking += 1
+            walking = still_walking
     return leaves

@@ -19,6 +19,8 @@ class LeafSettings(NamedTuple):
     Attributes:
         joint_reach: a sample votes for a joint no farther than this, in units of rho_bar.
         pair_reach: a sample votes for a pair when one of its joints is no farther than this.
+        pair_share: a cluster of pair offsets is kept where it stands for this share of its leaf;
+            smaller ones mislead more than they tell, and cost time.
         bandwidth: of the mean-shift over offsets, in units of rho_bar.
         clusters: K, how many clusters a leaf keeps for each joint and each pair.
         most_samples: at most so many offsets are clustered; more are thinned out evenly.
@@ -27,6 +29,7 @@ class LeafSettings(NamedTuple):
 
     joint_reach: float = 0.35
     pair_reach: float = 0.6
+    pair_share: float = 0.3
     bandwidth: float = 0.1
     clusters: int = 2
     most_samples: int = 100
@@ -38,7 +41,7 @@ def fit_joint_votes(samples: Samples, tree: Tree, settings: LeafSettings) -> Vot
     count = samples.joints.shape[1]
     # For a joint, both ends of the "pair" are the joint itself, and offsets start at the point.
     pairs = np.stack([np.full(count, -1), np.arange(count)], axis=1)
-    return _fit(samples, tree, pairs, settings.joint_reach, settings)
+    return _fit(samples, tree, _Wanted(pairs, settings.joint_reach, 0.0), settings)
 
 
 def fit_pair_votes(
@@ -52,27 +55,31 @@ def fit_pair_votes(
         edges: (parent, child) joint indices, shape (E, 2).
         settings: reach and clustering.
     """
-    return _fit(samples, tree, edges.astype(np.int64), settings.pair_reach, settings)
+    wanted = _Wanted(edges.astype(np.int64), settings.pair_reach, settings.pair_share)
+    return _fit(samples, tree, wanted, settings)
 
 
-def _fit(
-    samples: Samples,
-    tree: Tree,
-    pairs: NDArray[np.int64],
-    reach: float,
-    settings: LeafSettings,
-) -> Votes:
+class _Wanted(NamedTuple):
+    """What is voted for, shape (targets, 2), from how near, and from which share of a leaf on."""
+
+    pairs: NDArray[np.int64]
+    reach: float
+    share: float
+
+
+def _fit(samples: Samples, tree: Tree, wanted: _Wanted, settings: LeafSettings) -> Votes:
     offsets, weights = _fit_leaves(
         (samples.points, samples.person, samples.joints),
         (tree.order, tree.leaf_start),
-        pairs,
-        reach,
+        wanted.pairs,
+        wanted.reach,
         settings,
     )
-    filled = weights > 0
+    filled = (weights > 0) & (weights >= wanted.share)
     start = np.zeros(len(weights) + 1, np.int32)
     start[1:] = np.cumsum(filled.sum(axis=(1, 2)))
-    target = np.broadcast_to(np.arange(len(pairs), dtype=np.uint8)[None, :, None], filled.shape)
+    targets = np.arange(len(wanted.pairs), dtype=np.uint8)
+    target = np.broadcast_to(targets[None, :, None], filled.shape)
     return Votes(start, target[filled], offsets[filled], weights[filled])
 
 

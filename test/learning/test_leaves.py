@@ -103,3 +103,20 @@ def test_a_weight_is_the_share_of_the_leaf_and_unlabelled_joints_have_none():
     assert votes.weight[votes.target == 0].tolist() == pytest.approx([2 / 3])
     samples.joints[:, 0] = np.nan
     assert fit_joint_votes(samples, tree, SETTINGS).target.tolist() == [1]
+
+
+def test_small_clusters_of_pairs_are_not_kept():
+    samples, tree = two_leaves()
+    joints = samples.joints.copy()
+    joints[2, 1] = (0, 0.8, 0)  # the third person's limb points elsewhere: a third of each leaf
+    samples = samples._replace(joints=joints)
+    edges = np.array([[0, 1]], np.int32)
+    kept = {
+        share: fit_pair_votes(samples, tree, edges, SETTINGS._replace(pair_share=share))
+        for share in (0.0, 0.3, 0.4)
+    }
+    np.testing.assert_allclose(kept[0.0].weight[:2], [2 / 3, 1 / 3], atol=1e-6)
+    for ours, expected in zip(kept[0.3], kept[0.0], strict=True):
+        np.testing.assert_array_equal(ours, expected)
+    np.testing.assert_allclose(kept[0.4].weight[0], 2 / 3, atol=1e-6)
+    assert kept[0.4].start[1] == 1
