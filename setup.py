@@ -24,6 +24,7 @@ REQUIREMENTS = [
 EXTRAS = {
     # A ROS 2 Jazzy from wheels, for machines that have none.
     'ros': [
+        'ros-jazzy-diagnostic-msgs>=5.3',
         'ros-jazzy-rclpy[fastrtps]>=7.1',
         'ros-jazzy-sensor-msgs>=5.3',
         'ros-jazzy-visualization-msgs>=5.3',

@@ -1,66 +1,161 @@
-"""Start pose_node, remapped to a camera's and a segmentation's topics."""
+"""Start pose_node, connected to a camera's topics, and RViz if it is wanted."""
 
 from pathlib import Path
+from typing import Any, NamedTuple
 
+import yaml
 from ament_index_python.packages import get_package_share_directory
 from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
+from launch.conditions import IfCondition
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
+from launch_ros.parameter_descriptions import ParameterValue
 
 from launch import LaunchContext, LaunchDescription
 
+NODE = 'pose_node'
 PROFILE_VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 
+# The arguments that name a topic, and what the node calls it.
 TOPICS = {
     'depth_image': 'depth/image',
     'camera_info': 'depth/camera_info',
     'mask': 'mask',
 }
 
+# The arguments that are parameters of the node.
+PARAMETERS = ('model', 'segmentation', 'depth_transport')
+
+# What config/lsc_pose.rviz shows of the node itself.
+SHOWN = (f'{NODE}/skeletons', f'{NODE}/joint_markers')
+
+
+class Preset(NamedTuple):
+    """A camera's file in config/cameras.
+
+    Attributes:
+        frame: the frame of the depth images.
+        topics: the driver's topics, by the node's names for them.
+        parameters: what the node needs to know of the camera.
+    """
+
+    frame: str
+    topics: dict[str, str]
+    parameters: dict[str, Any]
+
+
+def config() -> Path:
+    """Return the folder of the configuration files."""
+    return Path(get_package_share_directory('lsc_pose_ros')) / 'config'
+
 
 def generate_launch_description() -> LaunchDescription:
-    """Return the arguments, the environment and the node."""
-    config = Path(get_package_share_directory('lsc_pose_ros')) / 'config'
-    arguments = {
-        'config': (str(config / 'pose_node.yaml'), 'file of parameters'),
-        'model': ('', 'model file; empty for what the file of parameters says'),
-        'namespace': ('', 'namespace of the node'),
-        **{name: (topic, f'topic to take {topic} from') for name, topic in TOPICS.items()},
-    }
+    """Return the arguments, the environment and the nodes."""
+    cameras = sorted(path.stem for path in (config() / 'cameras').glob('*.yaml'))
     profile = EnvironmentVariable(
-        PROFILE_VARIABLE, default_value=str(config / 'fastdds_profile.xml')
+        PROFILE_VARIABLE, default_value=str(config() / 'fastdds_profile.xml')
     )
     return LaunchDescription(
         [
+            DeclareLaunchArgument(
+                'camera',
+                default_value='none',
+                choices=cameras,
+                description="whose driver's topics to take: a file of config/cameras",
+            ),
             *(
                 DeclareLaunchArgument(name, default_value=default, description=meaning)
-                for name, (default, meaning) in arguments.items()
+                for name, (default, meaning) in arguments().items()
             ),
             # It works where images are sent: a camera driver belongs into this launch, too, or
             # must be started with the same variable.
             SetEnvironmentVariable(PROFILE_VARIABLE, profile),
-            OpaqueFunction(function=pose_node),
+            OpaqueFunction(function=nodes),
         ]
     )
 
 
-def pose_node(context: LaunchContext) -> list[Node]:
-    """Return the node, with the arguments' values put in."""
-    value = {
-        name: LaunchConfiguration(name).perform(context)
-        for name in ('config', 'model', 'namespace', *TOPICS)
+def arguments() -> dict[str, tuple[str, str]]:
+    """Return the default and the meaning of each argument but the camera."""
+    return {
+        'config': (
+            str(config() / 'pose_node.yaml'),
+            "file of parameters; the camera's and those given here have the last word",
+        ),
+        'model': ('', 'model file; empty for what the file of parameters says'),
+        'segmentation': (
+            '',
+            "mask, background or nearest; empty: mask where its topic is named, or the files' way",
+        ),
+        'depth_transport': ('', 'raw or compressedDepth'),
+        'rviz': ('false', 'whether to start RViz, too'),
+        'frame': ('', "frame that RViz looks from; empty for the camera's"),
+        'namespace': ('', 'namespace of the node'),
+        **{
+            name: ('', f"topic to take {topic} from; empty for the camera's")
+            for name, topic in TOPICS.items()
+        },
     }
-    parameters: list[str | dict[str, str]] = [value['config']]
-    if value['model']:
-        parameters.append({'model': value['model']})
-    return [
-        Node(
-            package='lsc_pose_ros',
-            executable='pose_node',
-            name='pose_node',
-            namespace=value['namespace'],
-            parameters=parameters,
-            remappings=[(topic, value[name]) for name, topic in TOPICS.items()],
-            output='screen',
-        )
-    ]
+
+
+def nodes(context: LaunchContext) -> list[Node]:
+    """Return the nodes, with the arguments' values put in."""
+    value = {name: LaunchConfiguration(name).perform(context) for name in ('camera', *arguments())}
+    path = config() / 'cameras' / f'{value["camera"]}.yaml'
+    preset = Preset(**yaml.safe_load(path.read_text(encoding='utf-8')))
+    given = {topic: value[name] for name, topic in TOPICS.items() if value[name]}
+    topics = preset.topics | given
+    return [pose_node(value, preset, topics), rviz(value, preset, topics)]
+
+
+def pose_node(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> Node:
+    """Return the node. It configures and activates itself."""
+    parameters = dict(preset.parameters)
+    if value['mask']:
+        parameters['segmentation'] = 'mask'
+    parameters |= {name: value[name] for name in PARAMETERS if value[name]}
+    return Node(
+        package='lsc_pose_ros',
+        executable='pose_node',
+        name=NODE,
+        namespace=value['namespace'],
+        # One set of values after the file: of two, a file between them could hide the second.
+        parameters=[value['config'], *([typed(parameters)] if parameters else [])],
+        remappings=list(topics.items()),
+        output='screen',
+    )
+
+
+def rviz(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> Node:
+    """Return RViz, which shows what the node takes and gives."""
+    shown = topics | {topic: topic for topic in SHOWN}
+    return Node(
+        package='rviz2',
+        executable='rviz2',
+        name='rviz2',
+        arguments=[
+            '-d',
+            str(config() / 'lsc_pose.rviz'),
+            '-f',
+            value['frame'] or preset.frame,
+        ],
+        remappings=[
+            (f'/{topic}', absolute(target, value['namespace'])) for topic, target in shown.items()
+        ],
+        condition=IfCondition(LaunchConfiguration('rviz')),
+    )
+
+
+def typed(parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return `parameters` so that a text stays one, whatever it looks like."""
+    return {
+        name: ParameterValue(value, value_type=str) if isinstance(value, str) else value
+        for name, value in parameters.items()
+    }
+
+
+def absolute(topic: str, namespace: str) -> str:
+    """Return the full name that `topic` has in `namespace`."""
+    if topic.startswith('/'):
+        return topic
+    return '/' + '/'.join(part for part in (namespace.strip('/'), topic) if part)

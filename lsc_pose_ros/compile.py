@@ -18,7 +18,13 @@ from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.core.kernel_cache import describe_cache
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.rvl import encode_rvl
-from lsc_pose_ros.core.warm_up import warm_up
+from lsc_pose_ros.core.segmentation import (
+    SEGMENTATIONS,
+    SegmentationSettings,
+    make_segmenter,
+)
+from lsc_pose_ros.core.settings import FEATURES, Settings
+from lsc_pose_ros.core.warm_up import warm_up, warm_up_segmenter
 from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
 from lsc_pose_ros.learning.growth import BRANCH_SAMPLES, GrowthSettings, grow_tree
 from lsc_pose_ros.learning.train import TrainingSettings, train
@@ -42,14 +48,28 @@ def compile_kernels() -> None:
     model = _train()
     for graph in (True, False):
         warm_up(Estimator(model, graph=graph))
+    for segmentation in SEGMENTATIONS:
+        settings = SegmentationSettings(segmentation)
+        segmenter = make_segmenter(settings)
+        if segmenter is not None:
+            warm_up_segmenter(segmenter, settings.background_seconds)
     encode_rvl(np.zeros(1, np.uint16))
 
 
 def _train() -> Model:
-    """Train on two frames of two people, and grow the trunk of a tree, which takes far more."""
+    """Train on two frames of two people, and grow the trunk of a tree, which takes far more.
+
+    Returns:
+        a model with the paper's feature; its rivals are learnt, too.
+    """
     training = TrainingSettings(numbers_of(DEFAULT_JOINTS), trees=1)
     settings = SyntheticSettings(frames=2, people=2)
-    model = train(synthetic_frames(settings), training, {})
+    model, *_ = (
+        train(
+            synthetic_frames(settings), training._replace(settings=Settings(feature=feature)), {}
+        )
+        for feature in FEATURES
+    )
     rng = np.random.default_rng(0)
     levels = rng.integers(0, 256, (DESCRIPTOR_SIZE, BRANCH_SAMPLES), np.uint8)
     weights = np.ones((BRANCH_SAMPLES, len(training.joints)), np.float32)

@@ -23,6 +23,7 @@ DEPENDENCIES: dict[str, tuple[str | None, str]] = {
     'PIL': ('pillow', 'python3-pil'),
     'ament_index_python': (None, 'ament_index_python'),
     'builtin_interfaces': (None, 'builtin_interfaces'),
+    'diagnostic_msgs': ('ros-jazzy-diagnostic-msgs', 'diagnostic_msgs'),
     'launch': (None, 'launch'),
     'launch_ros': (None, 'launch_ros'),
     'matplotlib': ('matplotlib', 'python3-matplotlib'),
@@ -35,14 +36,16 @@ DEPENDENCIES: dict[str, tuple[str | None, str]] = {
     'scipy': ('scipy', 'python3-scipy'),
     'rosgraph_msgs': (None, 'rosgraph_msgs'),
     'sensor_msgs': ('ros-jazzy-sensor-msgs', 'sensor_msgs'),
+    'tf2_msgs': (None, 'tf2_msgs'),
     'tqdm': ('tqdm', 'python3-tqdm'),
     'visualization_msgs': ('ros-jazzy-visualization-msgs', 'visualization_msgs'),
     'yaml': ('pyyaml', 'python3-yaml'),
     'zstandard': ('zstandard', 'mcap-ros2-support'),
 }
 
-# `replay --publish --clock` finds its message by the name of its type.
-IMPORTED_BY_NAME = {'rosgraph_msgs'}
+# Messages that are looked up when they are needed, by their package or the name of their type:
+# /diagnostics, `replay --publish --clock`, publish_tf.
+IMPORTED_BY_NAME = {'diagnostic_msgs', 'rosgraph_msgs', 'tf2_msgs'}
 
 
 def imported_modules() -> set[str]:

@@ -104,6 +104,8 @@ from lsc_pose_ros.data.compressed_depth import decode_compressed_depth, encode_c
 recording, model = sys.argv[1] + '/people.mcap', sys.argv[1] + '/model.npz'
 for words in (
     ['synth', recording, '--frames', '60'],
+    ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--feature', '2dsc'],
+    ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--feature', 'dcf'],
     ['train', recording, '-o', model, '--trees', '1', '--depth', '3'],
     ['evaluate', model, recording],
     ['evaluate', model, recording, '--no-graph'],

@@ -60,8 +60,6 @@ def _facts(results: dict[str, Any]) -> list[str]:
     used = ', '.join(f'{name} {version}' for name, version in results['versions'].items())
     frames = f'{results["frames"]} frames of {results["size"]}'
     points = f'{results["points"]} points, {results["query_points"]} of them vote'
-    if results['query_points'] < results['points']:
-        points += ' (the plain kernels describe them all)'
     forest = f'{results["trees"]} trees, {results["joints"]} joints, graph on'
     distances = f'95 % within {apart["p95"]:.2f} mm, all within {apart["max"]:.2f} mm'
     return [

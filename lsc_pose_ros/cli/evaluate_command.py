@@ -14,9 +14,10 @@ from lsc_pose_ros.cli.labelled_frames import (
 )
 from lsc_pose_ros.cli.numbers import positive_float, positive_int
 from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.learning.evaluate import Evaluation, Summary, evaluate, summarise
+from lsc_pose_ros.learning.reliability import Reliability, measure_reliability
 
 HELP = 'measure a model on labelled recordings'
 
@@ -66,7 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
     readers = open_recordings(arguments)
     evaluation = evaluate(estimator, read_frames(readers, 'evaluating'))
     summary = summarise(evaluation, arguments.tolerance)
-    results = _results(arguments, model.settings, evaluation, summary)
+    results = _results(arguments, model, evaluation, summary)
     print(_table(results, summary))
     if arguments.json:
         write_json(arguments.json, results)
@@ -87,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _results(
     arguments: argparse.Namespace,
-    settings: Settings,
+    model: Model,
     evaluation: Evaluation,
     summary: Summary,
 ) -> dict[str, Any]:
@@ -106,7 +107,19 @@ def _results(
         'model': str(arguments.model),
         'recordings': [str(path) for path in arguments.recordings],
         'graph': arguments.graph,
-        'query_points': settings.query_points,
+        'query_points': model.settings.query_points,
+        'feature': model.settings.feature,
+        'sample': model.settings.sample,
+        'confidence': _confidence(model, measure_reliability(evaluation)),
+    }
+
+
+def _confidence(model: Model, reliability: Reliability) -> dict[str, Any]:
+    """Return how far confidence is to be believed, in words that JSON has."""
+    return {
+        'calibrated': len(model.calibration) > 0,
+        **reliability._asdict(),
+        'bins': [each._asdict() for each in reliability.bins],
     }
 
 
@@ -116,8 +129,14 @@ def _facts(results: dict[str, Any]) -> dict[str, str]:
         'model': Path(results['model']).name,
         'recordings': ', '.join(Path(name).name for name in results['recordings']),
         'graph': 'on' if results['graph'] else 'off',
+        'confidence': _words_on(results['confidence']),
         'time a frame': f'{times["p50"]:.1f} ms (95 % within {times["p95"]:.1f} ms)',
     }
+
+
+def _words_on(confidence: dict[str, Any]) -> str:
+    words = f'off by {100 * confidence["ece"]:.1f} % (expected calibration error)'
+    return words if confidence['calibrated'] else f'{words}, not calibrated'
 
 
 def _table(results: dict[str, Any], summary: Summary) -> str:
@@ -133,4 +152,5 @@ def _table(results: dict[str, Any], summary: Summary) -> str:
         f'{results["frames"]} frames, {times["p50"]:.1f} ms a frame '
         f'(95 % within {times["p95"]:.1f} ms)'
     )
+    lines.append(f'confidence {_words_on(results["confidence"])}')
     return '\n'.join(lines)

@@ -34,3 +34,19 @@ def positive_float(word: str) -> float:
         msg = f'{word!r} is not a number above 0'
         raise argparse.ArgumentTypeError(msg)
     return value
+
+
+def float_from_zero(word: str) -> float:
+    """Return the finite number, 0 or above, that `word` stands for.
+
+    Raises:
+        ArgumentTypeError: it is none.
+    """
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not (math.isfinite(value) and value >= 0):
+        msg = f'{word!r} is not a number from 0'
+        raise argparse.ArgumentTypeError(msg)
+    return value

@@ -6,15 +6,19 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from lsc_pose_ros.cli.answer_arguments import (
+    add_answer_arguments,
+    segmenter_of,
+    sequence_of,
+    style_of,
+)
 from lsc_pose_ros.cli.numbers import positive_float
 from lsc_pose_ros.cli.progress import progress
 from lsc_pose_ros.cli.topic_arguments import add_topic_arguments, topics_of
-from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.segmentation import MASK
 from lsc_pose_ros.data.answering import answer_frames
-from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.data.recording import FrameReader, RecordingWriter, open_frames, read_messages
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.resources import default_model
 from lsc_pose_ros.ros.requirements import load_with_ros
 
 if TYPE_CHECKING:
@@ -43,7 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '-o', '--output', type=Path, metavar='OUT', help='estimate, and write to OUT.mcap'
     )
     purpose.add_argument('--publish', action='store_true', help='publish over ROS 2')
-    _add_offline_arguments(parser.add_argument_group('with -o'))
+    add_answer_arguments(
+        parser.add_argument_group('with -o', 'The parameters of pose_node have the same names.')
+    )
     _add_publish_arguments(parser.add_argument_group('with --publish'))
     add_topic_arguments(parser)
 
@@ -58,23 +64,11 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.recording,
         topics_of(arguments),
         mask_background=arguments.mask_background,
-        need_mask=not arguments.publish,
+        need_mask=not arguments.publish and arguments.segmentation == MASK,
     )
     if arguments.publish:
         return _publish(arguments, reader)
     return _answer(arguments, reader)
-
-
-def _add_offline_arguments(group: argparse._ArgumentGroup) -> None:
-    group.add_argument(
-        '--model', type=Path, metavar='MODEL', help='(default: the one that comes with lsc_pose)'
-    )
-    group.add_argument(
-        '--no-graph',
-        dest='graph',
-        action='store_false',
-        help='take each joint by itself, without the pictorial structure',
-    )
 
 
 def _add_publish_arguments(group: argparse._ArgumentGroup) -> None:
@@ -117,22 +111,34 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
     if output.exists() and output.samefile(arguments.recording):
         msg = f'{output} is the recording itself; choose another name with -o'
         raise InputError(msg)
-    estimator = Estimator(load_model(arguments.model or default_model()), graph=arguments.graph)
+    segmenter = segmenter_of(arguments)
+    if segmenter is not None:
+        reader.topics = reader.topics._replace(mask='')  # frames need not wait for masks
+    sequence = sequence_of(arguments)
     frames = bodies = 0
     with RecordingWriter(output) as writer:
-        answers = answer_frames(reader, estimator, writer)
+        answers = answer_frames(reader, sequence, writer, segmenter, style_of(arguments))
         for skeletons in progress(answers, reader.count, 'estimating'):
             frames += 1
             bodies += len(skeletons.bodies)
         if not bodies:
-            msg = (
-                f'{arguments.recording}: the masks of all {frames} frames are empty; '
-                'is --mask-background right?'
-            )
-            raise InputError(msg)
+            raise InputError(_nobody(arguments, frames))
     _warn(reader.warnings)
     print(f'{output}: {frames} frames, {bodies} bodies')
     return 0
+
+
+def _nobody(arguments: argparse.Namespace, frames: int) -> str:
+    """Say that a recording shows nobody."""
+    if arguments.segmentation == MASK:
+        return (
+            f'{arguments.recording}: the masks of all {frames} frames are empty; '
+            'is --mask-background right?'
+        )
+    return (
+        f'{arguments.recording}: --segmentation {arguments.segmentation} finds nobody in '
+        f'{frames} frames; are --range-min and --range-max right?'
+    )
 
 
 def _publish(arguments: argparse.Namespace, reader: FrameReader) -> int:

@@ -1,6 +1,8 @@
 """`lsc_pose train`: labelled recordings become a model."""
 
 import argparse
+import itertools
+import math
 import sys
 import time
 from pathlib import Path
@@ -14,13 +16,19 @@ from lsc_pose_ros.cli.labelled_frames import (
 )
 from lsc_pose_ros.cli.numbers import positive_float, positive_int
 from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
-from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.core.settings import FEATURES, SAMPLES, Settings
 from lsc_pose_ros.data.model_file import save_model
+from lsc_pose_ros.data.recording import FrameReader
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.calibration import calibrate
 from lsc_pose_ros.learning.growth import GrowthSettings
+from lsc_pose_ros.learning.samples import labelled_people
 from lsc_pose_ros.learning.train import GIBIBYTE, TrainingSettings, train
 
 HELP = 'learn a model from labelled recordings'
+
+# More than this is no longer a training.
+_LARGEST_SHARE = 0.5
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,10 +38,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '-o', '--output', type=Path, required=True, metavar='MODEL', help='the model, e.g. me.npz'
     )
     defaults, growth = Settings(), GrowthSettings()
+    untrained = TrainingSettings(numbers_of(DEFAULT_JOINTS))
     for name, default, what in (
-        ('points', defaults.points, 'silhouette points a body'),
+        ('points', defaults.points, 'points a body'),
         ('query-points', defaults.query_points, 'of these, how many vote (all of them teach)'),
-        ('trees', TrainingSettings(numbers_of(DEFAULT_JOINTS)).trees, 'trees of the forest'),
+        ('trees', untrained.trees, 'trees of the forest'),
         ('depth', growth.depth, 'depth of a tree at most'),
         ('leaf-samples', growth.leaf_samples, 'samples of a leaf at least'),
     ):
@@ -44,6 +53,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             metavar='N',
             help=f'{what} (default: %(default)s)',
         )
+    parser.add_argument(
+        '--feature',
+        choices=FEATURES,
+        default=defaults.feature,
+        help="what the forest sees of a point: the paper's 3-D local shape context, or one of its "
+        'rivals, the shape context in the image or depth comparisons (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--sample',
+        choices=SAMPLES,
+        default=defaults.sample,
+        help='where the points lie; dcf on the body, evaluated with --no-graph, is the method of '
+        'Girshick et al. 2011 (default: %(default)s)',
+    )
     parser.add_argument(
         '--joints',
         nargs='+',
@@ -59,6 +82,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='take no more than so much, in GiB: of longer recordings, learn from fewer points a '
         'person (default: %(default)s)',
     )
+    teachers = parser.add_mutually_exclusive_group()
+    teachers.add_argument(
+        '--hold-out',
+        type=_share,
+        default=untrained.hold_out,
+        metavar='SHARE',
+        help='this share of the people, in ten stretches, is not learned from but teaches which '
+        'confidence is right; 0: confidence is the share of the votes (default: %(default)s)',
+    )
+    teachers.add_argument(
+        '--calibrate',
+        type=Path,
+        nargs='+',
+        metavar='RECORDING',
+        help='learn from all people, and from those of other labelled recordings which '
+        'confidence is right; best of people whom the model will not have seen',
+    )
     parser.add_argument('--seed', type=int, default=0, help='of all that is drawn (default: 0)')
     parser.add_argument('--json', type=Path, metavar='FILE', help='write sizes and times there')
 
@@ -72,6 +112,7 @@ def run(arguments: argparse.Namespace) -> int:
     training = _training_settings(arguments)
     _check_writable(arguments.output)
     readers = open_recordings(arguments)
+    others = _open_others(arguments, training)
     provenance = {
         'recordings': ', '.join(path.name for path in arguments.recordings),
         'program': f'lsc_pose_ros {__version__}',
@@ -79,6 +120,9 @@ def run(arguments: argparse.Namespace) -> int:
     }
     begin = time.perf_counter()
     model = train(read_frames(readers, 'describing'), training, provenance, _tell)
+    if others:
+        frames = read_frames(others, 'calibrating')
+        model = calibrate(model, labelled_people(frames, training.joints, training.settings))
     save_model(arguments.output, model)
     seconds = time.perf_counter() - begin
     results: dict[str, object] = {
@@ -86,6 +130,7 @@ def run(arguments: argparse.Namespace) -> int:
         'recordings': [str(path) for path in arguments.recordings],
         'people': int(model.provenance['people']),
         'points': int(model.provenance['samples']),
+        'calibrated': len(model.calibration) > 0,
         'leaves': len(model.forest.joint_votes.start) - 1,
         'bytes': arguments.output.stat().st_size,
         'seconds': seconds,
@@ -106,12 +151,48 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
         raise InputError(msg)
     return TrainingSettings(
         numbers_of(arguments.joints),
-        Settings(points=arguments.points, query_points=arguments.query_points),
+        Settings(
+            feature=arguments.feature,
+            sample=arguments.sample,
+            points=arguments.points,
+            query_points=arguments.query_points,
+            offset_seed=arguments.seed,
+        ),
         arguments.trees,
         GrowthSettings(depth=arguments.depth, leaf_samples=arguments.leaf_samples),
         seed=arguments.seed,
         memory=arguments.memory * GIBIBYTE,
+        hold_out=0.0 if arguments.calibrate else arguments.hold_out,
     )
+
+
+def _share(word: str) -> float:
+    """Return the number from 0 to 0.5 that `word` stands for."""
+    try:
+        value = float(word)
+    except ValueError:
+        value = math.nan
+    if not 0 <= value <= _LARGEST_SHARE:
+        msg = f'{word!r} is not a number from 0 to {_LARGEST_SHARE:g}'
+        raise argparse.ArgumentTypeError(msg)
+    return value
+
+
+def _open_others(arguments: argparse.Namespace, training: TrainingSettings) -> list[FrameReader]:
+    """Open what --calibrate names, and find out now whether it is of use after the training."""
+    if not arguments.calibrate:
+        return []
+    given = vars(arguments) | {'recordings': arguments.calibrate}
+    readers = open_recordings(argparse.Namespace(**given))
+    frames = itertools.chain.from_iterable(readers)
+    if not any(True for _ in labelled_people(frames, training.joints, training.settings)):
+        names = ', '.join(str(path) for path in arguments.calibrate)
+        msg = (
+            f'--calibrate {names}: no labelled person was found; the body numbers of the ground '
+            'truth must be those of the mask'
+        )
+        raise InputError(msg)
+    return readers
 
 
 def _check_writable(output: Path) -> None:

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.density import density, find_modes
-from lsc_pose_ros.core.descriptor import describe, mean_distance
+from lsc_pose_ros.core.confidence import confidence_in
+from lsc_pose_ros.core.density import find_modes
+from lsc_pose_ros.core.descriptor import mean_distance
+from lsc_pose_ros.core.features import Seen, describe_points
 from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
@@ -33,9 +35,9 @@ class Shape(NamedTuple):
     Attributes:
         window: the body cut out of the image.
         silhouette: its silhouette.
-        scale: rho_bar, metres.
+        scale: rho_bar, or what the settings put in its place, metres.
         queries: which of the silhouette's points vote, shape (Q,).
-        levels: the descriptors of those, shape (Q, 360).
+        levels: the descriptors of those, shape (Q, F).
     """
 
     window: Window
@@ -48,6 +50,17 @@ class Shape(NamedTuple):
     def points(self) -> NDArray[np.float32]:
         """The points that vote, metres, shape (Q, 3)."""
         return self.silhouette.points[self.queries]
+
+
+class Answer(NamedTuple):
+    """What the forest and the graph make of what is seen; the attributes are those of Stages."""
+
+    joint_votes: CastVotes
+    pair_votes: CastVotes
+    candidates: Candidates
+    alone: NDArray[np.float32]
+    chosen: NDArray[np.float32]
+    joints: NDArray[np.float32]
 
 
 class Stages(NamedTuple):
@@ -93,12 +106,11 @@ def find_shape(
     silhouette = find_silhouette(window, camera, settings)
     if len(silhouette.points) < FEWEST_POINTS:
         return None
-    scale = mean_distance(silhouette.points)
+    scale = settings.fixed_scale or mean_distance(silhouette.points)
     if scale <= 0:
         return None
     queries = choose_uniformly(len(silhouette.points), settings.query_points)
-    radius = scale * settings.support_radius
-    levels = describe(silhouette.points, queries, radius, settings.inner_radius)
+    levels = describe_points(Seen(silhouette, scale, camera, settings), queries)
     return Shape(window, silhouette, scale, queries, levels)
 
 
@@ -142,8 +154,11 @@ class Estimator:
             stages = self.stages(depth, labels, camera, int(body))
             if stages is not None:
                 positions[row] = stages.joints if self.graph else stages.alone
-                confidence[row] = support(
-                    stages.joint_votes, positions[row], self._structure.joint_bandwidth
+                confidence[row] = confidence_in(
+                    self.model.calibration,
+                    stages.joint_votes,
+                    positions[row],
+                    self._structure.joint_bandwidth,
                 )
         return Skeletons(bodies, self.model.joints, positions, confidence)
 
@@ -161,15 +176,23 @@ class Estimator:
         shape = find_shape(depth, labels, body, (camera, self.model.settings))
         if shape is None:
             return None
-        return self._vote(shape)
+        return Stages(shape, *self.answer(shape.points, shape.levels, shape.scale))
 
-    def _vote(self, shape: Shape) -> Stages:
+    def answer(
+        self, points: NDArray[np.float32], levels: NDArray[np.uint8], scale: float
+    ) -> Answer:
+        """Return the joints of a body of which the descriptors are known.
+
+        Args:
+            points: those that vote, metres, shape (Q, 3).
+            levels: their descriptors, shape (Q, F).
+            scale: rho_bar, metres.
+        """
         model, settings = self.model, self.model.settings
-        points = shape.points
-        leaves = find_leaves(model.forest, shape.levels)
-        joint_poll = Poll(len(model.joints), settings.heaviest_votes, shape.scale)
+        leaves = find_leaves(model.forest, levels)
+        joint_poll = Poll(len(model.joints), settings.heaviest_votes, scale)
         joint_votes = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)
-        pair_poll = Poll(len(model.edges), settings.heaviest_votes, shape.scale)
+        pair_poll = Poll(len(model.edges), settings.heaviest_votes, scale)
         pair_votes = cast_votes(model.forest.pair_votes, leaves, np.zeros_like(points), pair_poll)
         candidates = find_candidates(joint_votes, settings.joint_bandwidth, settings.candidates)
         alone = places_of(candidates, np.minimum(candidates.counts, 1) - 1)
@@ -178,7 +201,7 @@ class Estimator:
             which = best_candidates(self._structure, joint_votes, pair_votes, candidates)
             chosen = places_of(candidates, which)
             joints = ascend(self._structure, joint_votes, pair_votes, chosen)
-        return Stages(shape, joint_votes, pair_votes, candidates, alone, chosen, joints)
+        return Answer(joint_votes, pair_votes, candidates, alone, chosen, joints)
 
 
 def structure_of(model: Model) -> Structure:
@@ -215,17 +238,3 @@ def places_of(candidates: Candidates, which: NDArray[np.int64]) -> NDArray[np.fl
     """Return the chosen candidate of each joint, NaN where `which` is -1, shape (J, 3)."""
     places = candidates.places[np.arange(len(which)), np.maximum(which, 0)]
     return np.where(which[:, None] >= 0, places, np.float32(np.nan))
-
-
-@kernel
-def support(
-    votes: CastVotes, places: NDArray[np.float32], bandwidth: float
-) -> NDArray[np.float32]:
-    """Return which share of the votes' weight supports each place, 0 to 1, shape (J,)."""
-    shares = np.zeros(places.shape[0], np.float32)
-    for joint in range(places.shape[0]):
-        cloud = votes_for(votes, joint)
-        if cloud.x.shape[0] == 0 or np.isnan(places[joint, 0]):
-            continue
-        shares[joint] = density(places[joint], cloud, bandwidth) / np.sum(cloud.weight)
-    return shares

@@ -5,6 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.confidence import uncalibrated
 from lsc_pose_ros.core.forest import Forest
 from lsc_pose_ros.core.settings import Settings
 
@@ -19,6 +20,8 @@ class Model(NamedTuple):
         settings: how silhouettes, descriptors and densities are computed.
         forest: the trees and their votes.
         provenance: what it was trained on and how, for people to read.
+        calibration: the confidence in each joint at K shares of the votes, evenly from 0 to 1,
+            shape (J, K); or (0, K) where it is not known, then the share is the confidence.
     """
 
     joints: NDArray[np.uint16]
@@ -27,3 +30,4 @@ class Model(NamedTuple):
     settings: Settings
     forest: Forest
     provenance: dict[str, str]
+    calibration: NDArray[np.float32] = uncalibrated()

@@ -1,4 +1,4 @@
-"""From one body's pixels to N points on its silhouette (paper, section 2.1)."""
+"""From one body's pixels to N points on its silhouette (paper, section 2.1), or anywhere on it."""
 
 import math
 from typing import NamedTuple
@@ -30,11 +30,12 @@ class Window(NamedTuple):
 
 
 class Silhouette(NamedTuple):
-    """The silhouette of one body.
+    """The silhouette of one body; all of the body where the settings sample that.
 
     Attributes:
         smoothed: the window after eq. 1.
-        rows, columns: all edge pixels E in the image, in scan order, shape (n,) (eq. 2).
+        rows, columns: all edge pixels E in the image, in scan order, shape (n,) (eq. 2); all
+            pixels of the body where the settings sample that.
         points: the N of them that are kept, E', in metres, shape (N, 3).
         chosen: which of E they are, shape (N,).
     """
@@ -206,9 +207,15 @@ def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
 
 
 def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
-    """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points."""
+    """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points.
+
+    Where the settings sample the body, the points are evenly spread over all of its pixels.
+    """
     smoothed = Window(smooth(window, camera, settings.smoothing_sigma), window.row, window.column)
-    edges = find_edges(smoothed.depth, settings.edge_threshold)
+    if settings.sample == 'body':
+        edges = np.argwhere(np.isfinite(smoothed.depth)).astype(np.int32)
+    else:
+        edges = find_edges(smoothed.depth, settings.edge_threshold)
     rows = edges[:, 0] + np.int32(window.row)
     columns = edges[:, 1] + np.int32(window.column)
     chosen = choose_uniformly(len(edges), settings.points)

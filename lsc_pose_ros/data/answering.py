@@ -3,9 +3,10 @@
 import struct
 from collections.abc import Iterator
 
-from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.segmentation import Segmenter, segment
+from lsc_pose_ros.core.sequence import Sequence
 from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.markers import skeleton_markers
+from lsc_pose_ros.data.markers import Drawing, MarkerStyle
 from lsc_pose_ros.data.recording import FrameReader, RawMessage, RecordingWriter, read_messages
 from lsc_pose_ros.data.recording.raw import MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.data.recording.serialise import markers_message, skeletons_message
@@ -15,9 +16,15 @@ MARKERS_TOPIC = '/pose_node/joint_markers'
 
 _LITTLE_ENDIAN = 1
 
+_USUAL_STYLE = MarkerStyle()
+
 
 def answer_frames(
-    frames: FrameReader, estimator: Estimator, writer: RecordingWriter
+    frames: FrameReader,
+    sequence: Sequence,
+    writer: RecordingWriter,
+    segmenter: Segmenter | None = None,
+    style: MarkerStyle = _USUAL_STYLE,
 ) -> Iterator[Skeletons]:
     """Write what the frames are made of, as it was recorded, and the joints of every frame.
 
@@ -25,20 +32,23 @@ def answer_frames(
 
     Args:
         frames: the frames.
-        estimator: what estimates them.
+        sequence: what answers them, one after the other.
         writer: what writes.
+        segmenter: what finds the bodies, None where the frames' masks show them.
+        style: how the joints are drawn.
 
     Yields:
         each answer, when it is written.
     """
     original = _Original(frames, writer)
-    drawn: frozenset[int] = frozenset()
+    drawing = Drawing(sequence.estimator.model.edges)
     for frame in frames:
         log_time = original.copy_up_to(frame.stamp)
-        skeletons = estimator.estimate(frame.depth, frame.labels, frame.camera)
-        bodies = frozenset(skeletons.bodies.tolist())
-        shapes = skeleton_markers(skeletons, estimator.model.edges, gone=drawn - bodies)
-        drawn = bodies
+        labels = frame.labels
+        if segmenter is not None:
+            labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
+        skeletons = sequence.answer(frame.stamp, frame.depth, labels, frame.camera)
+        shapes = drawing.shapes(skeletons, style)
         head = (frame.stamp, frame.frame_id)
         writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))
         writer.write(MARKERS_TOPIC, MARKER_ARRAY, log_time, markers_message(*head, shapes))

@@ -57,6 +57,43 @@ class MarkerShape(NamedTuple):
     lifetime_ns: int
 
 
+class MarkerStyle(NamedTuple):
+    """How skeletons are drawn.
+
+    Attributes:
+        minimum_confidence: joints below it are left out.
+        lifetime_ns: how long a shape stays when nothing replaces it, in nanoseconds.
+    """
+
+    minimum_confidence: float = 0.0
+    lifetime_ns: int = LIFETIME_NS
+
+
+class Drawing:
+    """The shapes of one frame after the other; those of a body that left are deleted."""
+
+    def __init__(self, edges: NDArray[np.int32]) -> None:
+        """Begin with nothing drawn.
+
+        Args:
+            edges: the bones, pairs of indices into the joints, shape (E, 2).
+        """
+        self._edges = edges
+        self._drawn: frozenset[int] = frozenset()
+
+    def shapes(self, skeletons: Skeletons, style: MarkerStyle) -> list[MarkerShape]:
+        """Return what turns the last frame's picture into that of `skeletons`."""
+        bodies = frozenset(skeletons.bodies.tolist())
+        shapes = skeleton_markers(
+            skeletons,
+            self._edges,
+            minimum_confidence=style.minimum_confidence,
+            gone=self._drawn - bodies,
+        )
+        self._drawn = bodies
+        return [shape._replace(lifetime_ns=style.lifetime_ns) for shape in shapes]
+
+
 def skeleton_markers(
     skeletons: Skeletons,
     edges: NDArray[np.int32],

@@ -8,13 +8,28 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE
+from lsc_pose_ros.core.features import feature_size
 from lsc_pose_ros.core.forest import Forest, Votes
 from lsc_pose_ros.core.joints import JOINT_NAMES
 from lsc_pose_ros.core.model import Model
-from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.core.settings import BINNINGS, FEATURES, SAMPLES, Settings
 
 _LARGEST_SETTING = 10_000
+_LARGEST_SEED = 1 << 128
+
+# What the settings that are words can be.
+_WORDS = {'feature': FEATURES, 'sample': SAMPLES, 'binning': BINNINGS}
+
+# Settings that models of version 1 lack; these do as the defaults say.
+_SINCE_VERSION_2 = (
+    'feature',
+    'sample',
+    'fixed_scale',
+    'binning',
+    'offset_pairs',
+    'offset_reach',
+    'offset_seed',
+)
 
 
 class UnusableModelError(ValueError):
@@ -39,27 +54,43 @@ def read_settings(given: object) -> Settings:
     Raises:
         UnusableModelError: they are not those of this version, or not within reason.
     """
-    if not isinstance(given, dict) or set(given) != set(Settings._fields):
+    defaults = Settings()._asdict()
+    if isinstance(given, dict):
+        given = {name: defaults[name] for name in _SINCE_VERSION_2} | given
+    if not isinstance(given, dict) or set(given) != set(defaults):
         msg = 'its settings are not those of this version'
         raise UnusableModelError(msg)
-    values = {
-        name: _read_number(name, given[name], type(default))
-        for name, default in Settings()._asdict().items()
+    values: dict[str, Any] = {
+        name: _read_word(name, given[name])
+        if name in _WORDS
+        else _read_number(name, given[name], type(default))
+        for name, default in defaults.items()
     }
     settings = Settings(**values)
     if not (0 < settings.inner_radius < 1 and settings.joint_bandwidth > 0):
         msg = 'its radii or bandwidths are not positive'
         raise UnusableModelError(msg)
+    if not settings.offset_reach > 0:
+        msg = 'its offsets reach nowhere'
+        raise UnusableModelError(msg)
     counts = settings.points, settings.query_points, settings.heaviest_votes, settings.candidates
-    if min(counts) < 1:
-        msg = 'it asks for no points, votes or candidates'
+    if min(*counts, settings.offset_pairs) < 1:
+        msg = 'it asks for no points, votes, candidates or pairs of offsets'
         raise UnusableModelError(msg)
     return settings
 
 
+def _read_word(name: str, value: object) -> str:
+    if value not in _WORDS[name]:
+        msg = f'its setting {name} is {value!r}'
+        raise UnusableModelError(msg)
+    return str(value)
+
+
 def _read_number(name: str, value: Any, kind: type) -> Any:  # noqa: ANN401
     understood = isinstance(value, int if kind is int else int | float)
-    if not understood or isinstance(value, bool) or not 0 <= value <= _LARGEST_SETTING:
+    largest = _LARGEST_SEED if name == 'offset_seed' else _LARGEST_SETTING
+    if not understood or isinstance(value, bool) or not 0 <= value <= largest:
         msg = f'its setting {name} is {value!r}'
         raise UnusableModelError(msg)
     return kind(value)
@@ -82,9 +113,23 @@ def check_model(model: Model) -> None:
     if model.limb_lengths.shape != edges.shape[:1] or not (model.limb_lengths > 0).all():
         msg = 'its limb lengths do not fit its edges'
         raise UnusableModelError(msg)
-    leaves = _check_nodes(model.forest)
+    _check_calibration(model.calibration, count)
+    leaves = _check_nodes(model.forest, feature_size(model.settings))
     _check_votes(model.forest.joint_votes, leaves, count)
     _check_votes(model.forest.pair_votes, leaves, len(edges))
+
+
+def _check_calibration(calibration: NDArray[np.float32], count: int) -> None:
+    good = (
+        len(calibration) in (0, count)
+        and calibration.shape[1] > 1
+        # Written so that what is not a number is not good.
+        and bool(((calibration >= 0) & (calibration <= 1)).all())
+        and bool((np.diff(calibration, axis=1) >= 0).all())
+    )
+    if not good:
+        msg = 'its confidences do not rise from 0 to 1 at most, joint by joint'
+        raise UnusableModelError(msg)
 
 
 def _is_forest(edges: NDArray[np.int32], count: int) -> bool:
@@ -101,7 +146,7 @@ def _is_forest(edges: NDArray[np.int32], count: int) -> bool:
     return True
 
 
-def _check_nodes(forest: Forest) -> int:
+def _check_nodes(forest: Forest, size: int) -> int:
     """Check that every way down ends in a leaf; return how many leaves there are."""
     nodes, leaves = len(forest.feature), len(forest.joint_votes.start) - 1
     if len(forest.threshold) != nodes or len(forest.left) != nodes or not len(forest.roots):
@@ -113,7 +158,7 @@ def _check_nodes(forest: Forest) -> int:
         (forest.roots >= 0).all()
         and (forest.roots < nodes).all()
         and (forest.feature >= -1).all()
-        and (forest.feature < DESCRIPTOR_SIZE).all()
+        and (forest.feature < size).all()
         # A child stands after its parent, so no way down can go round in circles.
         and (forest.left[splits] > own[splits]).all()
         and (forest.left[splits] < nodes - 1).all()

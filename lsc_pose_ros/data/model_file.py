@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.confidence import uncalibrated
 from lsc_pose_ros.core.forest import Forest, Votes
 from lsc_pose_ros.core.joints import names_of
 from lsc_pose_ros.core.model import Model
@@ -24,7 +25,10 @@ from lsc_pose_ros.data.model_check import (
 from lsc_pose_ros.errors import InputError
 
 FORMAT = 'lsc_pose model'
-VERSION = 1
+VERSION = 2
+# Version 1 knows only the paper's feature, and its confidence is the share of the votes; the
+# settings that it lacks have their defaults.
+_READ = (1, VERSION)
 
 # A model of hundreds of megabytes is no model of ours, but a zip bomb.
 LARGEST_ARRAY = 1 << 30
@@ -47,6 +51,8 @@ _ARRAYS: dict[str, tuple[type[np.generic], int]] = {
     'pair_offset': (np.float32, 2),
     'pair_weight': (np.float32, 1),
 }
+# Models whose confidence is not calibrated lack it.
+_CALIBRATION = 'calibration'
 # Half precision is 0.5 mm at an arm's length: enough, and half the file.
 _HALVED = {'joint_offset', 'joint_weight', 'pair_offset', 'pair_weight'}
 
@@ -93,6 +99,8 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         with np.load(source, allow_pickle=False) as archive:
             header = _read_header(source, archive)
             arrays = {name: _read_array(source, archive, name) for name in _ARRAYS}
+            if _CALIBRATION in archive:
+                arrays[_CALIBRATION] = _read_array(source, archive, _CALIBRATION)
     except FileNotFoundError as error:
         msg = f'there is no model file {source}; make one with `lsc_pose train`'
         raise InputError(msg) from error
@@ -114,8 +122,9 @@ def describe_model(model: Model) -> dict[str, str]:
         'leaves': str(leaves),
         'joint votes': str(len(forest.joint_votes.target)),
         'pair votes': str(len(forest.pair_votes.target)),
+        'confidence': 'calibrated' if len(model.calibration) else 'the share of the votes',
         **{
-            name.replace('_', ' '): f'{value:g}'
+            name.replace('_', ' '): f'{value:g}' if isinstance(value, float) else str(value)
             for name, value in model.settings._asdict().items()
         },
         **model.provenance,
@@ -124,6 +133,7 @@ def describe_model(model: Model) -> dict[str, str]:
 
 def _arrays_of(model: Model) -> dict[str, NDArray[np.generic]]:
     forest = model.forest
+    calibration = {_CALIBRATION: model.calibration} if len(model.calibration) else {}
     return {
         'joints': model.joints,
         'edges': model.edges,
@@ -134,6 +144,7 @@ def _arrays_of(model: Model) -> dict[str, NDArray[np.generic]]:
         'left': forest.left,
         **{f'joint_{name}': array for name, array in forest.joint_votes._asdict().items()},
         **{f'pair_{name}': array for name, array in forest.pair_votes._asdict().items()},
+        **calibration,
     }
 
 
@@ -158,17 +169,17 @@ def _read_header(path: Path, archive: Any) -> dict[str, Any]:  # noqa: ANN401
     header = json.loads(archive['header'].astype(np.uint8).tobytes())
     if not isinstance(header, dict) or header.get('format') != FORMAT:
         raise _wrong(path, 'its header is of another kind')
-    if header.get('version') != VERSION:
+    if header.get('version') not in _READ:
         msg = (
             f'{path} is a model of version {header.get("version")}, but this program reads '
-            f'version {VERSION}; train it anew or use the program that wrote it'
+            f'versions up to {VERSION}; train it anew or use the program that wrote it'
         )
         raise InputError(msg)
     return header
 
 
 def _read_array(path: Path, archive: np.lib.npyio.NpzFile, name: str) -> NDArray[np.generic]:
-    kind, dimensions = _ARRAYS[name]
+    kind, dimensions = _ARRAYS.get(name, (np.float32, 2))
     array = archive[name]
     wanted = np.dtype(np.float16 if name in _HALVED else kind)
     if array.dtype != wanted or array.ndim != dimensions:
@@ -193,6 +204,7 @@ def _assemble(path: Path, header: dict[str, Any], arrays: dict[str, Any]) -> Mod
             settings,
             forest,
             provenance,
+            arrays.get(_CALIBRATION, uncalibrated()),
         )
         check_model(model)
     except UnusableModelError as error:

@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.encoded_frame import EncodedFrame, decode_frame
 from lsc_pose_ros.learning.stage_times import (
+    DESCRIPTOR,
     FAST,
     PLAIN,
     STAGES,
@@ -23,12 +25,18 @@ WHOLE = 'whole'
 """From a frame's bytes to its skeletons; what the stages add up to."""
 
 
+# So many frames are done in one way, then in the other: in a stream, too, a frame finds the caches
+# as the frame before has left them.
+TURN = 10
+
+
 class FrameTimes(NamedTuple):
     """What one frame cost, all of its bodies together.
 
     Attributes:
         seconds: of each stage, and of WHOLE.
-        plain: the same with the plain kernels; empty where they were not run.
+        plain: the same with the plain kernels, without the stages that have none; empty where
+            they were not run.
         apart: the distances between the joints found both ways, metres, shape (B, J); NaN where
             neither way found a joint, infinity where only one did.
     """
@@ -80,24 +88,37 @@ def time_frames(
     Args:
         estimator: with the graph; WHOLE is its `estimate`, with the decoding before it.
         frames: those that `warm_up` has returned.
-        compare: whether the plain kernels take turns with the fast ones, frame by frame, so that
-            what else the machine does slows down both.
+        compare: whether the plain kernels take turns with the fast ones, a few frames each, so
+            that what else the machine does slows down both.
 
     Yields:
-        the times of each frame, as soon as they are taken.
+        the times of each frame, turn by turn.
     """
-    for frame in frames:
-        begin = time.perf_counter()
-        skeletons = _estimate(estimator, frame)
-        whole = time.perf_counter() - begin
-        plain: dict[str, float] = {}
-        places = skeletons.positions
-        if compare:
-            walked = walk(estimator.model, frame, PLAIN)
-            plain = walked.seconds | {WHOLE: sum(walked.seconds.values())}
-            places = walked.positions
-        stages = walk(estimator.model, frame, FAST).seconds
-        yield FrameTimes(stages | {WHOLE: whole}, plain, _apart(skeletons.positions, places))
+    for start in range(0, len(frames), TURN):
+        turn = frames[start : start + TURN]
+        wholes = [_time_whole(estimator, frame) for frame in turn]
+        stages = [walk(estimator.model, frame, FAST).seconds for frame in turn]
+        plain = [_time_plain(estimator.model, frame) for frame in turn] if compare else []
+        for n, (whole, positions) in enumerate(wholes):
+            seconds = stages[n] | {WHOLE: whole}
+            if plain:
+                yield FrameTimes(seconds, plain[n][0], _apart(positions, plain[n][1]))
+            else:
+                yield FrameTimes(seconds, {}, _apart(positions, positions))
+
+
+def _time_whole(estimator: Estimator, frame: EncodedFrame) -> tuple[float, NDArray[np.float32]]:
+    begin = time.perf_counter()
+    skeletons = _estimate(estimator, frame)
+    return time.perf_counter() - begin, skeletons.positions
+
+
+def _time_plain(model: Model, frame: EncodedFrame) -> tuple[dict[str, float], NDArray[np.float32]]:
+    walked = walk(model, frame, PLAIN)
+    seconds = walked.seconds | {WHOLE: sum(walked.seconds.values())}
+    if model.settings.feature != '3dlsc':
+        del seconds[DESCRIPTOR]
+    return seconds, walked.positions
 
 
 def summarise_times(times: Sequence[FrameTimes]) -> dict[str, StageSummary]:
@@ -107,7 +128,8 @@ def summarise_times(times: Sequence[FrameTimes]) -> dict[str, StageSummary]:
         seconds = np.array([frame.seconds[stage] for frame in times])
         middle, most = 1000 * np.percentile(seconds, (50, 95))
         plain = None
-        if stage in (*STAGES_WITH_PLAIN_KERNELS, WHOLE) and all(frame.plain for frame in times):
+        compared = all(stage in frame.plain for frame in times)
+        if compared and stage in (*STAGES_WITH_PLAIN_KERNELS, WHOLE):
             plain = 1000 * float(np.median([frame.plain[stage] for frame in times]))
         summaries[stage] = StageSummary(
             float(middle), float(most), plain, None if plain is None else plain / float(middle)

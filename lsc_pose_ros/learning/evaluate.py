@@ -25,6 +25,7 @@ class Evaluation(NamedTuple):
         frames: in which of the frames, counted from 0, each person is, shape (P,).
         bodies: the number of each person in the mask, shape (P,).
         seconds: how long each frame took, shape (F,).
+        confidence: in each joint, 0 where there is no estimate, shape (P, J).
     """
 
     joints: NDArray[np.uint16]
@@ -32,6 +33,7 @@ class Evaluation(NamedTuple):
     frames: NDArray[np.int64]
     bodies: NDArray[np.uint16]
     seconds: NDArray[np.float64]
+    confidence: NDArray[np.float32]
 
 
 class JointScore(NamedTuple):
@@ -75,6 +77,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
     places: list[NDArray[np.int64]] = []
     bodies: list[NDArray[np.uint16]] = []
     seconds: list[float] = []
+    confidence: list[NDArray[np.float32]] = []
     seen = 0
     for number, frame in enumerate(frames):
         begin = time.perf_counter()
@@ -83,6 +86,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
         seen += len(skeletons.bodies)
         if frame.truth is not None and len(frame.truth.bodies):
             errors.append(joint_errors(skeletons, frame.truth))
+            confidence.append(joint_confidence(skeletons, frame.truth))
             bodies.append(frame.truth.bodies)
             places.append(np.full(len(frame.truth.bodies), number))
     if not errors:
@@ -97,6 +101,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
         np.concatenate(places),
         np.concatenate(bodies),
         np.array(seconds),
+        np.concatenate(confidence),
     )
 
 
@@ -107,13 +112,25 @@ def joint_errors(estimate: Skeletons, truth: Skeletons) -> NDArray[np.float32]:
     """
     wanted = select_joints(truth, estimate.joints)
     found = np.full_like(wanted, np.nan)
-    rows = {int(number): row for row, number in enumerate(estimate.bodies)}
-    for b, number in enumerate(truth.bodies):
-        if int(number) in rows:
-            found[b] = estimate.positions[rows[int(number)]]
+    for b, row in _rows_of(truth, estimate):
+        found[b] = estimate.positions[row]
     distance: NDArray[np.float32] = np.linalg.norm(found - wanted, axis=-1).astype(np.float32)
     distance[np.isnan(distance) & ~np.isnan(wanted[..., 0])] = np.inf
     return distance
+
+
+def joint_confidence(estimate: Skeletons, truth: Skeletons) -> NDArray[np.float32]:
+    """Return the confidence in the joints of each body of `truth`, 0 where none, shape (B, J)."""
+    confidence = np.zeros((len(truth.bodies), len(estimate.joints)), np.float32)
+    for b, row in _rows_of(truth, estimate):
+        confidence[b] = estimate.confidence[row]
+    return confidence
+
+
+def _rows_of(truth: Skeletons, estimate: Skeletons) -> list[tuple[int, int]]:
+    """Return the rows of each body that is in both."""
+    rows = {int(number): row for row, number in enumerate(estimate.bodies)}
+    return [(b, rows[int(number)]) for b, number in enumerate(truth.bodies) if int(number) in rows]
 
 
 def summarise(evaluation: Evaluation, tolerance: float) -> Summary:

@@ -10,7 +10,6 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE
 from lsc_pose_ros.core.jit import kernel, parallel_kernel
 from lsc_pose_ros.learning.splitter import Split, partition, try_feature
 
@@ -84,7 +83,7 @@ def grow_tree(
     """Return a tree grown on all samples.
 
     Args:
-        levels: quantised descriptors, shape (360, S).
+        levels: quantised descriptors, shape (F, S).
         weights: the joints' contributions, shape (S, J) (eq. 10).
         settings: when to stop.
         rng: draws features and thresholds.
@@ -149,8 +148,8 @@ def find_split(
 
     The other arguments as `grow_tree`.
     """
-    features = rng.choice(DESCRIPTOR_SIZE, settings.features, replace=False)
-    draws = rng.random((settings.features, settings.thresholds))
+    features = rng.choice(len(levels), min(settings.features, len(levels)), replace=False)
+    draws = rng.random((len(features), settings.thresholds))
     costs, thresholds = _try_features(
         levels, weights[members], members, (features, draws), settings.leaf_samples
     )
@@ -244,11 +243,12 @@ def _draw_split(
 ) -> Split:
     """Return the best of random splits; as `find_split`, on one core."""
     best = Split(-1, 0, np.inf)
-    drawn = np.zeros(DESCRIPTOR_SIZE, np.bool_)
-    for _ in range(settings.features):
-        feature = np.random.randint(DESCRIPTOR_SIZE)  # noqa: NPY002
+    size = levels.shape[0]
+    drawn = np.zeros(size, np.bool_)
+    for _ in range(min(settings.features, size)):
+        feature = np.random.randint(size)  # noqa: NPY002
         while drawn[feature]:
-            feature = np.random.randint(DESCRIPTOR_SIZE)  # noqa: NPY002
+            feature = np.random.randint(size)  # noqa: NPY002
         drawn[feature] = True
         draws = np.random.random(settings.thresholds)  # noqa: NPY002
         cost, threshold = try_feature(

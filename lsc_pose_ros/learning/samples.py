@@ -1,12 +1,12 @@
 """Training samples: silhouette points with their descriptors and the joints around them."""
 
+import itertools
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE
 from lsc_pose_ros.core.estimator import bodies_in, find_shape
 from lsc_pose_ros.core.frame import Frame
 from lsc_pose_ros.core.settings import Settings
@@ -18,7 +18,7 @@ class Samples(NamedTuple):
     """S silhouette points of P labelled people, one person after the other.
 
     Attributes:
-        levels: quantised descriptors, shape (360, S): a split reads one bin of many points.
+        levels: quantised descriptors, shape (F, S): a split reads one bin of many points.
         points: metres, divided by the person's rho_bar, shape (S, 3).
         person: whose point it is, shape (S,).
         joints: the people's joints, divided by their rho_bar, NaN where not labelled, (P, J, 3).
@@ -78,14 +78,27 @@ def people_in(frame: Frame, joints: NDArray[np.uint16], settings: Settings) -> I
             )
 
 
-def most_samples(memory: float, joints: int) -> int:
+def labelled_people(
+    frames: Iterable[Frame], joints: NDArray[np.uint16], settings: Settings
+) -> Iterator[Person]:
+    """Yield the labelled people of all `frames`; the other arguments as `people_in`."""
+    for frame in frames:
+        yield from people_in(frame, joints, settings)
+
+
+def most_samples(memory: float, joints: int, size: int) -> int:
     """Return how many samples training can hold in `memory` bytes.
+
+    Args:
+        memory: bytes.
+        joints: J, how many joints are learnt.
+        size: F, how many numbers describe a point.
 
     A sample needs its descriptor, point and person, its contributions twice while a node is
     split, its place in the order twice, and its share of the leaves' votes; the interpreter and
     the compiled kernels need the rest.
     """
-    for_sample = DESCRIPTOR_SIZE + 16 + 2 * 4 * joints + 2 * 4 + 64
+    for_sample = size + 16 + 2 * 4 * joints + 2 * 4 + 64
     return max(1, int((memory - _WITHOUT_SAMPLES) / for_sample))
 
 
@@ -102,7 +115,49 @@ def gather_samples(people: Iterable[Person], most: int | None = None) -> Samples
     Raises:
         InputError: there is nobody to learn from.
     """
+    return split_samples(people, most, 0.0)[0]
+
+
+def split_samples(
+    people: Iterable[Person], most: int | None, share: float
+) -> tuple[Samples, list[Person]]:
+    """Return the samples of most `people`, and the people that are held out.
+
+    Args:
+        people: as `gather_samples`.
+        most: as `gather_samples`, of both together.
+        share: which share of the people is held out.
+
+    Raises:
+        InputError: there is nobody to learn from.
+    """
     kept = _within(people, most)
+    held = hold_out(len(kept), share)
+    aside = [person for person, out in zip(kept, held, strict=True) if out]
+    kept = [person for person, out in zip(kept, held, strict=True) if not out]
+    return _join(kept), aside
+
+
+def hold_out(count: int, share: float) -> NDArray[np.bool_]:
+    """Tell which of `count` people, in the order of their recording, are held out, (count,).
+
+    Neighbouring frames are nearly equal, so that only whole stretches tell what the forest makes
+    of what it has not seen; one stretch would be one person or one action. So it is the end of
+    each of ten equal parts. Of few people, none.
+    """
+    held = np.zeros(count, np.bool_)
+    edges = np.linspace(0, count, _STRETCHES + 1).astype(np.int64)
+    for start, end in itertools.pairwise(edges.tolist()):
+        held[end - round(share * (end - start)) : end] = True
+    return held
+
+
+# Into how many stretches those who are held out are divided.
+_STRETCHES = 10
+
+
+def _join(kept: list[Person]) -> Samples:
+    """Return the samples of `kept`, which is emptied."""
     if not kept:
         msg = (
             'no labelled person was found; training needs a recording with ground truth '
@@ -114,7 +169,7 @@ def gather_samples(people: Iterable[Person], most: int | None = None) -> Samples
     points = np.concatenate([person.points for person in kept])
     joints = np.stack([person.joints for person in kept])
     scale = np.array([person.scale for person in kept], np.float32)
-    levels = np.empty((DESCRIPTOR_SIZE, ends[-1]), np.uint8)
+    levels = np.empty((kept[0].levels.shape[1], ends[-1]), np.uint8)
     # From the last to the first, each forgotten once it is copied: memory is not needed twice.
     for end in ends[::-1]:
         person = kept.pop()

@@ -12,15 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.descriptor import describe, mean_distance
+from lsc_pose_ros.core.confidence import confidence_in
+from lsc_pose_ros.core.descriptor import mean_distance
 from lsc_pose_ros.core.estimator import (
     FEWEST_POINTS,
     bodies_in,
     find_candidates,
     places_of,
     structure_of,
-    support,
 )
+from lsc_pose_ros.core.features import Seen, describe_points
 from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
@@ -57,7 +58,7 @@ class Kernels(NamedTuple):
 
     find_silhouette: Callable[[Window, Intrinsics, Settings], Silhouette]
     mean_distance: Callable[[NDArray[np.float32]], float]
-    describe: Callable[[NDArray[np.float32], NDArray[np.int64], float, float], NDArray[np.uint8]]
+    describe: Callable[[Seen, NDArray[np.int64]], NDArray[np.uint8]]
     find_candidates: Callable[[CastVotes, float, int], Candidates]
 
 
@@ -99,8 +100,8 @@ def walk(model: Model, encoded: EncodedFrame, kernels: Kernels) -> Walked:
     return Walked(way.seconds, positions, confidence)
 
 
-class _Seen(NamedTuple):
-    """What the forest sees: query points (Q, 3), their levels (Q, 360), and rho_bar."""
+class _Described(NamedTuple):
+    """What the forest sees: query points (Q, 3), their levels (Q, F), and rho_bar."""
 
     points: NDArray[np.float32]
     levels: NDArray[np.uint8]
@@ -123,21 +124,21 @@ class _Way:
         self.seconds[stage] += now - self._last
         self._last = now
 
-    def describe(self, window: Window, camera: Intrinsics) -> _Seen | None:
+    def describe(self, window: Window, camera: Intrinsics) -> _Described | None:
         """Return what the forest sees of a body, or None where that is too little."""
         kernels, settings = self._kernels, self._model.settings
-        points = kernels.find_silhouette(window, camera, settings).points
+        silhouette = kernels.find_silhouette(window, camera, settings)
+        points = silhouette.points
         self.lap(SILHOUETTE)
         if len(points) < FEWEST_POINTS:
             return None
-        scale = kernels.mean_distance(points)
+        scale = self._model.settings.fixed_scale or kernels.mean_distance(points)
         if scale <= 0:
             return None
         queries = choose_uniformly(len(points), settings.query_points)
-        radius = scale * settings.support_radius
-        levels = kernels.describe(points, queries, radius, settings.inner_radius)
+        levels = kernels.describe(Seen(silhouette, scale, camera, settings), queries)
         self.lap(DESCRIPTOR)
-        return _Seen(points[queries], levels, scale)
+        return _Described(points[queries], levels, scale)
 
     def vote(
         self, points: NDArray[np.float32], levels: NDArray[np.uint8], scale: float
@@ -162,7 +163,9 @@ class _Way:
         candidates = self._kernels.find_candidates(joints, bandwidth, settings.candidates)
         which = best_candidates(structure, joints, pairs, candidates)
         places = ascend(structure, joints, pairs, places_of(candidates, which))
-        confidence = support(joints, places, structure.joint_bandwidth)
+        confidence = confidence_in(
+            self._model.calibration, joints, places, structure.joint_bandwidth
+        )
         self.lap(DENSITIES)
         return places, confidence
 
@@ -174,11 +177,15 @@ def _find_silhouette_plainly(window: Window, camera: Intrinsics, settings: Setti
     return find_silhouette(Window(smoothed, window.row, window.column), camera, again)
 
 
-def _describe_plainly(
-    points: NDArray[np.float32], centres: NDArray[np.int64], radius: float, inner_radius: float
-) -> NDArray[np.uint8]:
-    histograms = plain_descriptor.describe(points, radius, inner_radius)
-    return plain_descriptor.quantise(histograms)[centres]
+def _describe_plainly(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
+    settings = seen.settings
+    if (settings.feature, settings.binning) != ('3dlsc', 'shared'):
+        return describe_points(seen, queries)
+    radius = seen.scale * settings.support_radius
+    histograms = plain_descriptor.describe(
+        seen.silhouette.points, queries, radius, settings.inner_radius
+    )
+    return plain_descriptor.quantise(histograms)
 
 
 @kernel
@@ -195,7 +202,7 @@ def _find_candidates_plainly(votes: CastVotes, bandwidth: float, wanted: int) ->
     return Candidates(places, counts)
 
 
-FAST = Kernels(find_silhouette, mean_distance, describe, find_candidates)
+FAST = Kernels(find_silhouette, mean_distance, describe_points, find_candidates)
 """What `Estimator` uses."""
 
 PLAIN = Kernels(
@@ -204,4 +211,7 @@ PLAIN = Kernels(
     _describe_plainly,
     _find_candidates_plainly,
 )
-"""Written as the equations read; all N points are described, however few of them vote."""
+"""Written as the equations read.
+
+The rivals' features are written once, so that they have no plain kernels.
+"""

@@ -6,20 +6,22 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.features import feature_size
 from lsc_pose_ros.core.forest import Forest, Votes
 from lsc_pose_ros.core.frame import Frame
 from lsc_pose_ros.core.joints import default_edges, names_of
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.calibration import calibrate
 from lsc_pose_ros.learning.criterion import contributions
 from lsc_pose_ros.learning.growth import GrowthSettings, Tree, grow_tree
 from lsc_pose_ros.learning.leaves import LeafSettings, fit_joint_votes, fit_pair_votes
 from lsc_pose_ros.learning.samples import (
     Samples,
-    gather_samples,
+    labelled_people,
     most_samples,
-    people_in,
+    split_samples,
 )
 
 GIBIBYTE = 1 << 30
@@ -36,6 +38,7 @@ class TrainingSettings(NamedTuple):
         leaves: of the votes.
         seed: of all that is drawn.
         memory: how much training may take, bytes.
+        hold_out: which share of the people teaches confidence instead of the forest.
     """
 
     joints: NDArray[np.uint16]
@@ -45,6 +48,7 @@ class TrainingSettings(NamedTuple):
     leaves: LeafSettings = LeafSettings()
     seed: int = 0
     memory: float = 8 * GIBIBYTE
+    hold_out: float = 0.05
 
 
 Progress = Callable[[str], None]
@@ -68,13 +72,14 @@ def train(
         InputError: nobody labelled is seen, or a joint is labelled nowhere.
     """
     tell('reading frames')
-    people = (
-        person
-        for frame in frames
-        for person in people_in(frame, training.joints, training.settings)
-    )
-    samples = gather_samples(people, most_samples(training.memory, len(training.joints)))
-    return train_on(samples, training, provenance, tell)
+    people = labelled_people(frames, training.joints, training.settings)
+    size = feature_size(training.settings)
+    most = most_samples(training.memory, len(training.joints), size)
+    samples, held_out = split_samples(people, most, training.hold_out)
+    model = train_on(samples, training, provenance, tell)
+    if held_out:
+        tell(f'learning confidence from the {len(held_out)} people that were held out')
+    return calibrate(model, held_out)
 
 
 def train_on(

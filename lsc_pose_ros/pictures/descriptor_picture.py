@@ -1,6 +1,7 @@
 """One point's descriptor: its neighbours in the image and the bins that they fill (eq. 3, 4)."""
 
 import math
+from textwrap import fill
 
 import matplotlib as mpl
 import numpy as np
@@ -14,8 +15,9 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import project
 from lsc_pose_ros.core.descriptor import AZIMUTH_BINS, RADIUS_BINS, ZENITH_BINS
+from lsc_pose_ros.core.nearest_bin import describe_by_nearest_bin
 from lsc_pose_ros.core.plain.descriptor import describe
-from lsc_pose_ros.pictures.canvas import new_figure
+from lsc_pose_ros.pictures.canvas import hide_axes, new_figure
 from lsc_pose_ros.pictures.colours import BORDER, EDGE, FILLING, MIDDLE, RIGHT
 from lsc_pose_ros.pictures.depth_image import draw_depth
 from lsc_pose_ros.pictures.dots import Dot, draw_dots
@@ -36,6 +38,20 @@ def bin_radii(reach: float, inner_radius: float) -> NDArray[np.float64]:
         inner_radius: the inner limit of the first bin, as a share of `reach`.
     """
     return reach * inner_radius ** np.linspace(1, 0, RADIUS_BINS + 1)
+
+
+def draw_feature(axes: Axes, seen: SeenBody) -> None:
+    """Draw the bins of one descriptor, or say that the model's feature has no picture."""
+    if seen.settings.feature == '3dlsc':
+        draw_bins(axes, seen)
+        return
+    hide_axes(axes)
+    sentence = (
+        f'The feature of this model, {seen.settings.feature}, is not drawn; '
+        'only that of the paper, 3dlsc, is.'
+    )
+    axes.text(0.5, 0.5, fill(sentence, 24), ha='center', va='center', transform=axes.transAxes)
+    axes.set_title('the feature of one point')
 
 
 def draw_bins(axes: Axes, seen: SeenBody) -> None:
@@ -71,8 +87,12 @@ def descriptor_figure(seen: SeenBody) -> Figure:
     left, right = parts[0]
     draw_bins(left.subplots(), seen)
     # The picture shows shares; what the forest sees is their levels.
-    histograms = describe(seen.shape.silhouette.points, reach, seen.settings.inner_radius)
-    histogram = histograms[shown_point(seen)]
+    points, shown = seen.shape.silhouette.points, np.array([shown_point(seen)])
+    nearest = seen.settings.binning == 'nearest'
+    histograms = (describe_by_nearest_bin if nearest else describe)(
+        points, shown, reach, seen.settings.inner_radius
+    )
+    histogram = histograms[0]
     filled = histogram.reshape(RADIUS_BINS, AZIMUTH_BINS, ZENITH_BINS)
     grid = right.subplots(2, 3, subplot_kw={'projection': 'polar'}).ravel()
     for zenith, axes in enumerate(grid):

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.joints import names_of
 from lsc_pose_ros.learning.evaluate import Evaluation, JointScore, Summary
+from lsc_pose_ros.learning.reliability import Reliability
 from lsc_pose_ros.pictures.canvas import house_style, new_figure
 from lsc_pose_ros.pictures.colours import BORDER, CURVES, FAINT, LEFT, MIDDLE, RIGHT
 from lsc_pose_ros.pictures.legend import place_legend
@@ -80,6 +81,32 @@ def error_curves(evaluation: Evaluation, tolerance: float) -> Figure:
     axes.set_ylabel('joints within')
     axes.yaxis.set_major_formatter(PercentFormatter())
     axes.legend(loc='lower right')
+    return figure
+
+
+@house_style()
+def reliability_plot(reliability: Reliability) -> Figure:
+    """Return which share of the joints is near, over the confidence in them, bin by bin.
+
+    Below, how many joints have such a confidence.
+    """
+    figure = new_figure(4.2, 4.2)
+    shares, counts = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
+    shares.plot([0, 100], [0, 100], color=BORDER, linewidth=0.9)
+    percent = np.array([(100 * each.confidence, 100 * each.share) for each in reliability.bins])
+    shares.plot(percent[:, 0], percent[:, 1], color=MIDDLE, marker='o', markersize=4)
+    shares.set_ylim(0, 101)
+    shares.set_ylabel(f'within {100 * reliability.within_m:g} cm')
+    shares.yaxis.set_major_formatter(PercentFormatter())
+    total = sum(each.n for each in reliability.bins)
+    for each in reliability.bins:
+        width = 100 * (each.most - each.least)
+        counts.bar(100 * each.least, 100 * each.n / total, 0.9 * width, align='edge', color=FAINT)
+    counts.set_ylabel('joints')
+    counts.yaxis.set_major_formatter(PercentFormatter())
+    counts.set_xlim(0, 100)
+    counts.set_xlabel('confidence')
+    counts.xaxis.set_major_formatter(PercentFormatter())
     return figure
 
 

@@ -8,9 +8,10 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from lsc_pose_ros.learning.evaluate import Evaluation, Summary
+from lsc_pose_ros.learning.reliability import Reliability, measure_reliability
 from lsc_pose_ros.pictures.canvas import make_directory, png_bytes, write_beside
 from lsc_pose_ros.pictures.drawn_frame import DrawnFrame
-from lsc_pose_ros.pictures.plots import error_curves, joint_bars
+from lsc_pose_ros.pictures.plots import error_curves, joint_bars, reliability_plot
 from lsc_pose_ros.pictures.sheet import contact_sheet
 
 PAGE_NAME = 'index.html'
@@ -77,6 +78,7 @@ def page(report: Report) -> str:
 <h2>All errors</h2>
 <p>The share of the joints that is off by no more than so much.</p>
 {_image(error_curves(report.evaluation, report.tolerance), 'Cumulative error curves')}
+{_confidence(measure_reliability(report.evaluation))}
 {_frames('Best frames', report.best)}
 {_frames('Worst frames', report.worst)}
 </body>
@@ -136,6 +138,15 @@ def _table(report: Report) -> str:
         f'<tbody>\n{rows}</tbody>\n'
         f'<tfoot><tr><td>mean</td><td>{100 * summary.mean_error_m:.1f}</td>'
         f'<td>{100 * summary.map:.1f}</td><td></td></tr></tfoot>\n</table>'
+    )
+
+
+def _confidence(reliability: Reliability) -> str:
+    return (
+        f'<h2>Confidence</h2>\n<p>Of the joints with a confidence of 80 %, about 80 % should lie '
+        f'within {100 * reliability.within_m:g} cm of the truth. On the average over all joints, '
+        f'confidence is off by {100 * reliability.ece:.1f} % (expected calibration error).</p>\n'
+        f'{_image(reliability_plot(reliability), "Share of joints that are near, by confidence")}'
     )
 
 

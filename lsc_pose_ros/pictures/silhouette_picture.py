@@ -50,14 +50,18 @@ def draw_smoothing(axes: Axes, seen: SeenBody) -> None:
 
 
 def draw_silhouette(axes: Axes, seen: SeenBody) -> None:
-    """Draw all edge pixels E and the points E' that are kept of them (eq. 2)."""
+    """Draw all edge pixels E and the points E' that are kept of them (eq. 2).
+
+    Where the settings sample the whole body, E are all of its pixels.
+    """
     silhouette = seen.shape.silhouette
     draw_depth(axes, seen.frame, seen.box, body=seen.body)
     edges = np.stack([silhouette.columns, silhouette.rows], axis=1)
     draw_dots(axes, edges, Dot(3, EDGE, marker='s'))
     kept = project(silhouette.points, seen.frame.camera)
     draw_dots(axes, kept, Dot(3.5, MIDDLE, layer=3))
-    axes.set_title(f'silhouette: {len(silhouette.points)} of {len(silhouette.rows)}')
+    name = 'points' if seen.settings.sample == 'body' else 'silhouette'
+    axes.set_title(f'{name}: {len(silhouette.points)} of {len(silhouette.rows)}')
 
 
 def _draw_outline(axes: Axes, seen: SeenBody) -> None:

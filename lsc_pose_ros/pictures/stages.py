@@ -16,7 +16,7 @@ from lsc_pose_ros.pictures.canvas import (
     save_png,
 )
 from lsc_pose_ros.pictures.density_picture import densities_figure, draw_densities
-from lsc_pose_ros.pictures.descriptor_picture import descriptor_figure, draw_bins
+from lsc_pose_ros.pictures.descriptor_picture import descriptor_figure, draw_feature
 from lsc_pose_ros.pictures.seen_body import Estimated, SeenBody
 from lsc_pose_ros.pictures.silhouette_picture import (
     draw_metres,
@@ -49,11 +49,16 @@ class Stage(NamedTuple):
 
 def stages_of(seen: SeenBody) -> list[Stage]:
     """Return the stages that can be drawn: without a model, the first four."""
+    own = seen.settings.feature == '3dlsc'
     stages = [
         Stage('1_depth', lambda axes: draw_metres(axes, seen)),
         Stage('2_smoothing', lambda axes: draw_smoothing(axes, seen)),
         Stage('3_silhouette', lambda axes: draw_silhouette(axes, seen)),
-        Stage('4_descriptor', lambda axes: draw_bins(axes, seen), lambda: descriptor_figure(seen)),
+        Stage(
+            '4_descriptor',
+            lambda axes: draw_feature(axes, seen),
+            (lambda: descriptor_figure(seen)) if own else None,
+        ),
     ]
     if seen.estimated is not None:
         stages += _estimated_stages(seen, seen.estimated)

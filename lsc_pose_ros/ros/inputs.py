@@ -1,35 +1,30 @@
 """What the node listens to: depth images, masks and camera infos."""
 
 from collections.abc import Callable
-from typing import Any
 
-from rclpy.event_handler import SubscriptionEventCallbacks, UnsupportedEventTypeError
+from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
-from rclpy.qos import QoSProfile, QoSReliabilityPolicy, qos_policy_name_from_kind
-from rclpy.subscription import Subscription
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lsc_pose_ros.ros.gathering import Gathering, PairingSettings
 from lsc_pose_ros.ros.messages import NANOSECONDS, AnyImage, Pair, nanoseconds
-from lsc_pose_ros.ros.parameters import COMPRESSED_DEPTH, Parameters
+from lsc_pose_ros.ros.parameters import Parameters
 from lsc_pose_ros.ros.reports import Reports
-from lsc_pose_ros.ros.watch import TopicNames
+from lsc_pose_ros.ros.subscription import Subscribed, Wanted
+from lsc_pose_ros.ros.watch import Counters, TopicNames
 
-_RELIABILITIES = {
-    'best_effort': QoSReliabilityPolicy.BEST_EFFORT,
-    'reliable': QoSReliabilityPolicy.RELIABLE,
-}
-
-# Enough for a burst: the callbacks only pass the messages on, so none waits here for long.
-_QUEUE_DEPTH = 10
+# How often publishers are looked for, seconds.
+_LOOK_PERIOD = 0.25
 
 
 class Inputs:
     """The subscriptions, and the pairs that come of them.
 
+    With the parameter `reliability` at auto, a topic is subscribed once it has a publisher, in
+    the way in which all its publishers can be heard, and anew when that changes.
+
     Attributes:
         gathering: where the messages find each other, and are counted.
-        lost: how many messages of each topic the middleware says it has lost.
         topics: the full names of the topics, remapping done.
     """
 
@@ -49,72 +44,76 @@ class Inputs:
             deliver: called with each pair, in the executor's thread.
         """
         self._node = node
-        self._reports = reports
-        self._qos = QoSProfile(
-            depth=_QUEUE_DEPTH, reliability=_RELIABILITIES[parameters.reliability]
-        )
-        self.gathering: Gathering[AnyImage, Image, CameraInfo] = Gathering(
-            PairingSettings(round(parameters.sync_slop * NANOSECONDS), parameters.sync_queue),
+        with_masks = parameters.segmentation == 'mask'
+        self.gathering: Gathering[AnyImage, AnyImage, CameraInfo] = Gathering(
+            PairingSettings(
+                round(parameters.sync_slop * NANOSECONDS), parameters.sync_queue, with_masks
+            ),
             lambda depth, mask, info: deliver(Pair(depth, mask, info)),
         )
-        self.lost: dict[str, int] = {}
-        self._subscriptions = [
-            self._subscribe(CompressedImage, 'depth/image/compressedDepth', self._take_depth)
-            if parameters.depth_transport == COMPRESSED_DEPTH
-            else self._subscribe(Image, 'depth/image', self._take_depth),
-            self._subscribe(CameraInfo, 'depth/camera_info', self.gathering.add_camera_info),
-            self._subscribe(Image, 'mask', self._take_mask),
+        wanted = [
+            self._image('depth/image', 'depth_transport', parameters.depth_transport),
+            Wanted('depth/camera_info', CameraInfo, self.gathering.add_camera_info, latched=True),
         ]
-        self.topics = TopicNames(*(each.topic_name for each in self._subscriptions))
+        if with_masks:
+            wanted.append(self._image('mask', 'mask_transport', parameters.mask_transport))
+        self._subscribed = [
+            Subscribed(node, each, parameters.reliability, reports) for each in wanted
+        ]
+        self.topics = TopicNames(*(each.topic for each in self._subscribed))
+        self._timer = node.create_timer(
+            _LOOK_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME)
+        )
+        self._look()
+
+    def set_sync_slop(self, seconds: float) -> None:
+        """Change by how much the stamps of a depth image and its mask may differ."""
+        self.gathering.slop_ns = round(seconds * NANOSECONDS)
 
     def publishers(self) -> dict[str, int]:
         """Return how many publishers each topic has."""
-        return {each.topic_name: each.get_publisher_count() for each in self._subscriptions}
+        return {each.topic: self._node.count_publishers(each.topic) for each in self._subscribed}
+
+    def counters(self, replaced: int) -> Counters:
+        """Return how much has come and gone.
+
+        Args:
+            replaced: how many pairs gave way to a newer one before they were worked on.
+        """
+        gathering = self.gathering
+        return Counters(
+            depth=gathering.depth,
+            masks=gathering.masks,
+            camera_infos=gathering.camera_infos,
+            pairs=gathering.pairs,
+            replaced=replaced,
+            lost=sum(each.lost for each in self._subscribed),
+            rewinds=gathering.rewinds,
+            missing=gathering.missing,
+            out_of_order=gathering.out_of_order,
+            **gathering.left_out._asdict(),
+        )
 
     def close(self) -> None:
         """Unsubscribe."""
-        for subscription in self._subscriptions:
-            self._node.destroy_subscription(subscription)
-        self._subscriptions.clear()
+        self._node.destroy_timer(self._timer)
+        for each in self._subscribed:
+            each.close()
+
+    def _look(self) -> None:
+        for each in self._subscribed:
+            each.look()
+
+    def _image(self, topic: str, parameter: str, transport: str) -> Wanted:
+        take = self._take_depth if parameter == 'depth_transport' else self._take_mask
+        if transport == 'raw':
+            return Wanted(topic, Image, take, transport_parameter=parameter)
+        # As image_transport names it: the topic, remapped, and then the transport.
+        topic = f'{self._node.resolve_topic_name(topic)}/{transport}'
+        return Wanted(topic, CompressedImage, take, transport_parameter=parameter)
 
     def _take_depth(self, image: AnyImage) -> None:
         self.gathering.add_depth(nanoseconds(image.header.stamp), image)
 
-    def _take_mask(self, image: Image) -> None:
+    def _take_mask(self, image: AnyImage) -> None:
         self.gathering.add_mask(nanoseconds(image.header.stamp), image)
-
-    def _subscribe(
-        self,
-        message_type: type[Any],
-        topic: str,
-        take: Callable[[Any], None],
-    ) -> Subscription:
-        name = self._node.resolve_topic_name(topic)
-        self.lost[name] = 0
-        events = SubscriptionEventCallbacks(
-            incompatible_qos=lambda event: self._tell_incompatible(name, event),
-            message_lost=lambda event: self._count_lost(name, event),
-        )
-        try:
-            return self._node.create_subscription(
-                message_type, topic, take, self._qos, event_callbacks=events
-            )
-        except UnsupportedEventTypeError:  # not every middleware knows what it loses
-            events.message_lost = None
-            return self._node.create_subscription(
-                message_type, topic, take, self._qos, event_callbacks=events
-            )
-
-    def _count_lost(self, topic: str, event: Any) -> None:  # noqa: ANN401
-        self.lost[topic] += event.total_count_change
-
-    def _tell_incompatible(self, topic: str, event: Any) -> None:  # noqa: ANN401
-        policy = qos_policy_name_from_kind(event.last_policy_kind)
-        remedy = 'change the publisher'
-        if policy == 'RELIABILITY':
-            remedy = 'set the parameter reliability to best_effort, which suits every publisher'
-        self._reports.error(
-            f'incompatible {topic}',
-            f'{topic}: a publisher offers an incompatible {policy}, so nothing comes from it; '
-            f'{remedy}',
-        )

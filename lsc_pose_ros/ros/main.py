@@ -1,5 +1,7 @@
 """`pose_node`: the program around the node."""
 
+import os
+import signal
 import sys
 
 from lsc_pose_ros.errors import InputError
@@ -14,6 +16,9 @@ def main(args: list[str] | None = None) -> int:
     Args:
         args: the command line with --ros-args; None for the process's own.
     """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        # While libraries are loaded there is nothing to close; the node takes over afterwards.
+        signal.signal(number, lambda *_: os._exit(0))
     try:
         load_with_ros('lsc_pose_ros.ros.run').run_node(args)
     except InputError as error:

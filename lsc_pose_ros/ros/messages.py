@@ -1,14 +1,19 @@
 """Real ROS messages to what the method takes."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from builtin_interfaces.msg import Time
+from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
+from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.camera_info import image_camera
 from lsc_pose_ros.core.decode import ImageLayout
-from lsc_pose_ros.core.frame import Frame
+from lsc_pose_ros.core.frame import NO_BODY, Frame
+from lsc_pose_ros.core.segmentation import Segmenter, segment
 from lsc_pose_ros.data.recording.images import depth_of, labels_of
 from lsc_pose_ros.data.recording.messages import CompressedImageMessage, ImageMessage
 from lsc_pose_ros.errors import InputError
@@ -20,10 +25,10 @@ NANOSECONDS = 1_000_000_000
 
 
 class Pair(NamedTuple):
-    """The messages that make up a frame."""
+    """The messages that make up a frame; no mask where bodies are found without."""
 
     depth: AnyImage
-    mask: Image
+    mask: AnyImage | None
     camera_info: CameraInfo
 
 
@@ -32,32 +37,54 @@ def nanoseconds(stamp: Time) -> int:
     return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
 
 
-def frame_of(pair: Pair, topics: TopicNames, mask_background: int) -> Frame:
+def frame_of(
+    pair: Pair, topics: TopicNames, mask_background: int, segmenter: Segmenter | None = None
+) -> Frame:
     """Return the frame that the messages of `pair` hold.
 
     Args:
         pair: the messages.
         topics: where they came from.
         mask_background: the mask's pixel value that shows no body.
+        segmenter: what finds the bodies where `pair` has no mask.
 
     Raises:
         InputError: a message cannot be used; the sentence names its topic.
     """
     header = pair.depth.header
-    try:
-        topic = topics.depth
+    stamp = nanoseconds(header.stamp)
+    with _naming(topics.depth):
         depth = depth_of(_plain(pair.depth))
-        topic = topics.mask
-        labels = labels_of(_plain(pair.mask), mask_background)
-        _check_size(labels.shape, depth.shape, topics.depth)
-        topic = topics.camera_info
+    labels = None
+    if pair.mask is not None:
+        with _naming(topics.mask):
+            labels = labels_of(_plain(pair.mask), mask_background)
+            _check_size(labels.shape, depth.shape, topics.depth)
+    with _naming(topics.camera_info):
         height, width, camera = image_camera(pair.camera_info)
         if height and width:
             _check_size((height, width), depth.shape, topics.depth)
+    if labels is None:
+        labels = _labels_without_mask(segmenter, stamp, depth, camera)
+    return Frame(stamp, header.frame_id, depth, labels, camera, None)
+
+
+@contextmanager
+def _naming(topic: str) -> Iterator[None]:
+    """Let an InputError begin with the topic that it is about."""
+    try:
+        yield
     except InputError as error:
         msg = f'{topic}: {error}'
         raise InputError(msg) from error
-    return Frame(nanoseconds(header.stamp), header.frame_id, depth, labels, camera, None)
+
+
+def _labels_without_mask(
+    segmenter: Segmenter | None, stamp: int, depth: NDArray[np.float32], camera: Intrinsics
+) -> NDArray[np.int32]:
+    if segmenter is None:
+        return np.full(depth.shape, NO_BODY, np.int32)
+    return segment(segmenter, stamp, depth, camera)
 
 
 def _plain(image: AnyImage) -> ImageMessage | CompressedImageMessage:

@@ -1,114 +1,159 @@
-"""The live node: listens, lets the worker estimate, publishes."""
+"""The live node: its states, and its parameters."""
 
-import threading
-import time
 import traceback
+from collections.abc import Callable, Iterable
 
-from rclpy.clock import Clock, ClockType
-from rclpy.node import Node
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.executors import ExternalShutdownException
+from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
+from rclpy.parameter import Parameter
 
-from lsc_pose_ros.core.kernel_cache import describe_cache
-from lsc_pose_ros.core.warm_up import warm_up
+from lsc_pose_ros.core.joints import names_of
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.resources import resource
-from lsc_pose_ros.ros.estimation import load_estimator
-from lsc_pose_ros.ros.inputs import Inputs
-from lsc_pose_ros.ros.messages import Pair, frame_of
-from lsc_pose_ros.ros.outputs import Outputs
-from lsc_pose_ros.ros.parameters import declare_parameters
-from lsc_pose_ros.ros.reports import Reports
-from lsc_pose_ros.ros.watch import Counters, Situation, complaints
-from lsc_pose_ros.ros.worker import Worker
+from lsc_pose_ros.ros.activity import Activity
+from lsc_pose_ros.ros.aside import run_aside
+from lsc_pose_ros.ros.parameter_rules import objection_to, with_whole_numbers
+from lsc_pose_ros.ros.parameters import declare_parameters, read_parameters
+from lsc_pose_ros.ros.preparation import Prepared, prepare
 
-WATCH_PERIOD = 5.0
+JOINT_NAMES = 'joint_names'
 
-# A standing trouble is told this often, seconds.
-REMINDER_PERIOD = 30.0
-
-# Kernels that are kept on disk are ready within this time, seconds.
-QUICK_START = 3.0
+# A process that is told to stop waits so long for the answer that is being worked on, seconds.
+PATIENCE_AT_THE_END = 0.5
 
 
-class PoseNode(Node):
+class PoseNode(LifecycleNode):
     """Publishes the joints of everybody whom a depth image and its mask show.
 
-    The executor's thread receives and pairs the messages; one worker thread estimates and
-    publishes. Between them waits at most one pair, the newest.
+    A managed node: the model is loaded and the kernels are compiled when it is configured, and
+    released when it is cleaned up; it listens and publishes while it is active.
+
+    Attributes:
+        autostart: whether it is to be started as soon as it is there.
     """
 
     def __init__(self) -> None:
-        """Read the parameters, load the model, compile the kernels, then subscribe.
+        """Declare the parameters.
+
+        Raises:
+            InputError: a parameter cannot be used.
+        """
+        super().__init__('pose_node')
+        self.autostart = declare_parameters(self).autostart
+        self._prepared: Prepared | None = None
+        self._activity: Activity | None = None
+        self._trouble: Exception | None = None
+        self._starting = False
+        self.add_pre_set_parameters_callback(with_whole_numbers)
+        self.add_on_set_parameters_callback(self._judge)
+        self.add_post_set_parameters_callback(self._adopt)
+
+    def start(self) -> None:
+        """Configure and activate.
 
         Raises:
             InputError: a parameter or the model cannot be used.
+            ExternalShutdownException: the process is told to stop.
         """
-        super().__init__('pose_node')
-        self._settings = declare_parameters(self)
-        self._reports = Reports(self.get_logger())
-        self._reminders = Reports(self.get_logger(), REMINDER_PERIOD)
-        self._estimator = load_estimator(self._settings)
-        self._outputs = Outputs(self, self._settings, self._estimator.model.edges)
-        self._warm_up()
-        self._worker: Worker[Pair] = Worker(self._answer, self._fail, 'estimation')
-        self._worker.start()
-        self._inputs = Inputs(self, self._settings, self._reports, self._worker.submit)
-        self._seen = self._counters()
-        # Trouble is real time's, whatever clock the recording brings.
-        self.create_timer(WATCH_PERIOD, self._watch, clock=Clock(clock_type=ClockType.STEADY_TIME))
-        self.get_logger().info(f'ready: listening to {", ".join(self._inputs.topics)}')
+        self._starting = True
+        for trigger in (self.trigger_configure, self.trigger_activate):
+            self._trouble = None
+            trigger()
+            if self._trouble is not None:
+                raise self._trouble
+        self._starting = False
 
     def close(self) -> None:
-        """Stop listening and wait for the worker; no more is published afterwards."""
-        self._inputs.close()
-        self._worker.close()
+        """Stop listening; no more is published afterwards."""
+        self._end_activity(PATIENCE_AT_THE_END)
 
-    def _warm_up(self) -> None:
-        """Do once all that an answer takes, for the first time takes far longer."""
-        begin = time.monotonic()
-        notice = 'compiling the kernels, which takes about half a minute'
-        patience = threading.Timer(QUICK_START, self.get_logger().info, [notice])
-        patience.start()
+    def on_configure(self, _state: LifecycleState) -> TransitionCallbackReturn:
+        """Load the model, compile the kernels."""
+        return self._attempt(self._configure)
+
+    def on_activate(self, _state: LifecycleState) -> TransitionCallbackReturn:
+        """Subscribe and advertise."""
+        return self._attempt(self._activate)
+
+    def on_deactivate(self, _state: LifecycleState) -> TransitionCallbackReturn:
+        """Unsubscribe, and publish no more."""
+        return self._attempt(self._end_activity)
+
+    def on_cleanup(self, _state: LifecycleState) -> TransitionCallbackReturn:
+        """Release the model and all else."""
+        return self._attempt(self._release)
+
+    def on_shutdown(self, _state: LifecycleState) -> TransitionCallbackReturn:
+        """Release all, whatever the state."""
+        return self._attempt(self._release)
+
+    def on_error(self, _state: LifecycleState) -> TransitionCallbackReturn:
+        """Release all after a transition that broke down, so that it can be tried anew."""
+        return self._attempt(self._release)
+
+    def _configure(self) -> None:
+        parameters = read_parameters(self)
+        self._prepared = run_aside(lambda: prepare(self, parameters), self.context)
+        self.declare_parameter(
+            JOINT_NAMES,
+            names_of(self._prepared.model.joints),
+            ParameterDescriptor(
+                description="The model's joints, in the order of the skeletons' columns.",
+                read_only=True,
+            ),
+            ignore_override=True,
+        )
+
+    def _activate(self) -> None:
+        if self._prepared is None:
+            msg = 'there is no model'
+            raise RuntimeError(msg)
+        self._activity = Activity(self, read_parameters(self), self._prepared)
+        topics = ', '.join(self._activity.inputs.topics.listened)
+        self.get_logger().info(f'ready: listening to {topics}')
+
+    def _end_activity(self, patience: float = 5.0) -> None:
+        activity, self._activity = self._activity, None
+        if activity is not None:
+            activity.close(patience)
+
+    def _release(self) -> None:
+        self._end_activity()
+        prepared, self._prepared = self._prepared, None
+        if prepared is not None:
+            prepared.outputs.close()
+        if self.has_parameter(JOINT_NAMES):
+            self.describe_parameter(JOINT_NAMES).read_only = False  # else it stays for ever
+            self.undeclare_parameter(JOINT_NAMES)
+
+    def _attempt(self, step: Callable[[], None]) -> TransitionCallbackReturn:
+        """Take a step from one state to the next, and tell why where that fails."""
         try:
-            self._outputs.rehearse(warm_up(self._estimator))
-        finally:
-            patience.cancel()
-        seconds = time.monotonic() - begin
-        self.get_logger().info(f'kernels ready in {seconds:.1f} s ({describe_cache()})')
+            step()
+        except (InputError, ExternalShutdownException) as error:
+            self._trouble = error
+            self._tell(str(error))
+            return TransitionCallbackReturn.FAILURE
+        except Exception as error:  # noqa: BLE001 - rclpy would say nothing of it
+            self._trouble = error
+            self._tell(''.join(traceback.format_exception(error)))
+            return TransitionCallbackReturn.ERROR
+        return TransitionCallbackReturn.SUCCESS
 
-    def _answer(self, pair: Pair) -> None:
-        """Answer one depth image; in the worker's thread."""
-        frame = frame_of(pair, self._inputs.topics, self._settings.mask_background)
-        skeletons = self._estimator.estimate(frame.depth, frame.labels, frame.camera)
-        self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
+    def _tell(self, text: str) -> None:
+        # At the start, the program tells it and ends.
+        if not self._starting and self.context.ok():
+            self.get_logger().error(text)
 
-    def _fail(self, error: Exception) -> None:
-        """Tell why a depth image stays unanswered; in the worker's thread."""
-        if not self.context.ok():
-            return  # publishing fails when the node is being shut down; that is no news
-        if isinstance(error, InputError):
-            self._reports.error(str(error), str(error))
-        else:
-            text = ''.join(traceback.format_exception(error))
-            self._reports.error(type(error).__name__, f'a frame was left out: {text}')
-
-    def _watch(self) -> None:
-        before, self._seen = self._seen, self._counters()
-        situation = Situation(
-            self._inputs.topics,
-            self._inputs.publishers(),
-            str(resource('config', 'fastdds_profile.xml')),
+    def _judge(self, changes: Iterable[Parameter]) -> SetParametersResult:
+        prepared = self._prepared
+        objection = objection_to(
+            changes,
+            configured=prepared is not None,
+            points=prepared.model.settings.points if prepared is not None else 0,
         )
-        for kind, text in complaints(before, self._seen, situation).items():
-            self._reminders.warning(kind, text)
+        return SetParametersResult(successful=not objection, reason=objection)
 
-    def _counters(self) -> Counters:
-        gathering = self._inputs.gathering
-        return Counters(
-            depth=gathering.depth,
-            masks=gathering.masks,
-            camera_infos=gathering.camera_infos,
-            pairs=gathering.pairs,
-            replaced=self._worker.replaced,
-            lost=sum(self._inputs.lost.values()),
-            rewinds=gathering.rewinds,
-        )
+    def _adopt(self, _changes: Iterable[Parameter]) -> None:
+        if self._activity is not None:
+            self._activity.change(read_parameters(self))

@@ -1,4 +1,6 @@
-"""What the node publishes: the skeletons, and markers that draw them."""
+"""What the node publishes: the skeletons, markers that draw them, and frames of the joints."""
+
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -7,41 +9,71 @@ from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import MarkerArray
 
 from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.markers import skeleton_markers
+from lsc_pose_ros.data.markers import Drawing, MarkerStyle
 from lsc_pose_ros.data.recording.serialise import markers_message, skeletons_message
+from lsc_pose_ros.data.transforms import skeleton_transforms, transforms_message
 from lsc_pose_ros.ros.messages import NANOSECONDS
 from lsc_pose_ros.ros.parameters import Parameters
+from lsc_pose_ros.ros.transforms import Transforms
+
+if TYPE_CHECKING:
+    from rclpy.publisher import Publisher
 
 # Reliable, so that a subscriber of either kind gets them; they are small.
 _QUEUE_DEPTH = 10
 
 
 class Outputs:
-    """The publishers. Used from one thread at a time."""
+    """The publishers, from `open` to `close`; `publish` from one thread at a time.
+
+    Attributes:
+        parameters: the node's; may be replaced at any time, from any thread.
+    """
 
     def __init__(self, node: Node, parameters: Parameters, edges: NDArray[np.int32]) -> None:
-        """Advertise.
+        """Prepare; nothing is advertised before `open`.
 
         Args:
             node: the node that publishes.
             parameters: the node's.
             edges: the bones to draw, pairs of indices into the model's joints, shape (E, 2).
+
+        Raises:
+            InputError: publish_tf is set, but tf2_msgs is not installed.
         """
+        self.parameters = parameters
+        self._node = node
         self._edges = edges
-        self._minimum_confidence = parameters.minimum_confidence
-        self._lifetime_ns = round(parameters.marker_lifetime * NANOSECONDS)
-        self._drawn: frozenset[int] = frozenset()
-        self._skeletons = node.create_publisher(PointCloud2, '~/skeletons', _QUEUE_DEPTH)
-        self._markers = node.create_publisher(MarkerArray, '~/joint_markers', _QUEUE_DEPTH)
+        self._transforms = Transforms(node) if parameters.publish_tf else None
+        self._drawing = Drawing(edges)
+        self._skeletons: Publisher | None = None
+        self._markers: Publisher | None = None
+
+    def open(self) -> None:
+        """Advertise."""
+        self._drawing = Drawing(self._edges)
+        self._skeletons = self._node.create_publisher(PointCloud2, '~/skeletons', _QUEUE_DEPTH)
+        self._markers = self._node.create_publisher(MarkerArray, '~/joint_markers', _QUEUE_DEPTH)
+        if self._transforms is not None:
+            self._transforms.open()
+
+    def close(self) -> None:
+        """Withdraw the publishers; no answer may be on its way any more."""
+        for publisher in (self._skeletons, self._markers):
+            if publisher is not None:
+                self._node.destroy_publisher(publisher)
+        self._skeletons = self._markers = None
+        if self._transforms is not None:
+            self._transforms.close()
 
     def rehearse(self, skeletons: Skeletons) -> None:
         """Do all that `publish` does, but publish nothing: the first time takes far longer."""
         skeletons_message(0, '', skeletons)
-        self._draw(0, '', skeletons)
-        self._drawn = frozenset()
+        markers_message(0, '', Drawing(self._edges).shapes(skeletons, self._style()))
+        transforms_message(0, skeleton_transforms(skeletons, ''))
 
     def publish(self, stamp: int, frame_id: str, skeletons: Skeletons) -> None:
-        """Publish the answer to one depth image.
+        """Publish the answer to one depth image; before `open` and after `close`, do nothing.
 
         The messages are serialised as a recording's are, so both hold the same.
 
@@ -50,18 +82,18 @@ class Outputs:
             frame_id: the depth image's.
             skeletons: the answer.
         """
+        if self._skeletons is None or self._markers is None:
+            return
         self._skeletons.publish(skeletons_message(stamp, frame_id, skeletons))
-        self._markers.publish(self._draw(stamp, frame_id, skeletons))
+        shapes = self._drawing.shapes(skeletons, self._style())
+        self._markers.publish(markers_message(stamp, frame_id, shapes))
+        if self._transforms is not None:
+            self._transforms.publish(
+                stamp, frame_id, skeletons, self.parameters.minimum_confidence
+            )
 
-    def _draw(self, stamp: int, frame_id: str, skeletons: Skeletons) -> bytes:
-        bodies = frozenset(skeletons.bodies.tolist())
-        shapes = skeleton_markers(
-            skeletons,
-            self._edges,
-            minimum_confidence=self._minimum_confidence,
-            gone=self._drawn - bodies,
-        )
-        self._drawn = bodies
-        return markers_message(
-            stamp, frame_id, [shape._replace(lifetime_ns=self._lifetime_ns) for shape in shapes]
+    def _style(self) -> MarkerStyle:
+        parameters = self.parameters
+        return MarkerStyle(
+            parameters.minimum_confidence, round(parameters.marker_lifetime * NANOSECONDS)
         )

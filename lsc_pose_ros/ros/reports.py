@@ -5,6 +5,9 @@ import time
 from collections.abc import Callable
 from typing import Protocol
 
+# Seconds after which a kind of trouble is forgotten, longer than any period.
+_MEMORY = 600.0
+
 
 class Logger(Protocol):
     """What is used of rclpy's logger."""
@@ -60,4 +63,11 @@ class Reports:
                 return None
             self._last[kind] = now
             withheld = self._withheld.pop(kind, 0)
+            self._forget(now)
         return f'{text} ({withheld} more like this since the last report)' if withheld else text
+
+    def _forget(self, now: float) -> None:
+        """Forget old kinds, for some name a number that differs each time."""
+        for kind in [kind for kind, last in self._last.items() if now - last > _MEMORY]:
+            del self._last[kind]
+            self._withheld.pop(kind, None)

@@ -1,5 +1,10 @@
 """Runs the node until it is told to stop."""
 
+import os
+import signal
+import sys
+import threading
+
 import rclpy
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 
@@ -16,26 +21,59 @@ def run_node(words: list[str] | None = None) -> None:
     Raises:
         InputError: an argument, a parameter or the model cannot be used.
     """
+    told_to_stop = _note_signals()
     try:
         rclpy.init(args=words)
     except RuntimeError as error:  # what all of rclpy's own errors are
         msg = f'the arguments after --ros-args cannot be read: {error}'
         raise InputError(msg) from error
     try:
-        node = PoseNode()
-        try:
-            # One thread is enough: its callbacks only pass messages on to the worker.
-            executor = SingleThreadedExecutor()
-            executor.add_node(node)
-            executor.spin()
-        finally:
-            node.close()
-            node.destroy_node()
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass  # the ordinary ends
+        if not told_to_stop:
+            _spin()
+    except ExternalShutdownException:
+        pass  # the ordinary end
     except RuntimeError:
         if rclpy.ok():
             raise
-        # Told to stop while it was starting: nothing more can be made of ROS.
+        # Told to stop while it was at something: nothing more can be made of ROS.
     finally:
         rclpy.try_shutdown()
+    _leave_threads_behind()
+
+
+def _spin() -> None:
+    node = PoseNode()
+    try:
+        if node.autostart:
+            node.start()
+        # One thread is enough: its callbacks only pass messages on to the worker.
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        executor.spin()
+    finally:
+        node.close()
+        node.destroy_node()
+
+
+def _note_signals() -> list[int]:
+    """Let SIGINT and SIGTERM shut down ROS alone; return where they are noted.
+
+    Python's own KeyboardInterrupt would break off whatever is being done. rclpy, which is started
+    afterwards, shuts down its context and then calls these handlers.
+    """
+    noted: list[int] = []
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda which, _frame: noted.append(which))
+    return noted
+
+
+def _leave_threads_behind() -> None:
+    """End the process if a thread is still at work.
+
+    It may be compiling kernels, which nothing can interrupt, and which crashes where Python takes
+    itself apart underneath.
+    """
+    if threading.active_count() > 1:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(0)

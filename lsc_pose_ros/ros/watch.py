@@ -8,24 +8,38 @@ TOLERATED_SHARE = 0.05
 
 
 class TopicNames(NamedTuple):
-    """The full names of the topics that are listened to, for the sentences in the log."""
+    """The full names of the topics that are listened to, for the sentences in the log.
+
+    `mask` is empty where no mask is needed.
+    """
 
     depth: str
     camera_info: str
-    mask: str
+    mask: str = ''
+
+    @property
+    def listened(self) -> tuple[str, ...]:
+        """Those that are listened to."""
+        return tuple(filter(None, self))
 
 
 class Counters(NamedTuple):
-    """How much has come and gone since the node started.
+    """How much has come and gone since the node was activated.
 
     Attributes:
         depth: depth images that came.
         masks: masks that came.
         camera_infos: camera infos that came.
-        pairs: depth images that found their mask.
+        pairs: depth images that found their mask, or need none.
         replaced: pairs that gave way to a newer one before they were worked on.
         lost: images that the middleware knows to have lost.
         rewinds: how often the depth images' stamps went back.
+        missing: depth images that never came, by the gaps between the stamps.
+        unmatched_depth: depth images for which no mask came; ordinary where masks are slower.
+        unmatched_masks: masks for which no depth image came.
+        duplicates: images left out because their stamp had been there already.
+        late: images left out because they came after a newer pair had been delivered.
+        out_of_order: images that came after a newer one of their kind; some of them are late.
     """
 
     depth: int = 0
@@ -35,6 +49,12 @@ class Counters(NamedTuple):
     replaced: int = 0
     lost: int = 0
     rewinds: int = 0
+    missing: int = 0
+    unmatched_depth: int = 0
+    unmatched_masks: int = 0
+    duplicates: int = 0
+    late: int = 0
+    out_of_order: int = 0
 
 
 class Situation(NamedTuple):
@@ -44,11 +64,13 @@ class Situation(NamedTuple):
         topics: what the node listens to.
         publishers: how many publishers each topic has.
         profile: the path of the Fast DDS profile.
+        seconds: the time between the two readings.
     """
 
     topics: TopicNames
     publishers: Mapping[str, int]
     profile: str
+    seconds: float = 5.0
 
 
 def complaints(before: Counters, now: Counters, situation: Situation) -> dict[str, str]:
@@ -60,31 +82,51 @@ def complaints(before: Counters, now: Counters, situation: Situation) -> dict[st
     gained = Counters(*(new - old for new, old in zip(now, before, strict=True)))
     topics = situation.topics
     found = {
-        'silence': _silence(gained, now, situation),
+        'no depth': _silence(topics.depth, gained.depth, _DEPTH_REMEDY, situation),
+        'no mask': _silence(topics.mask, gained.masks, _MASK_REMEDY, situation),
+        'no camera info': _no_camera_info(now, situation),
         'no pairs': _no_pairs(gained, topics),
-        'loss': _loss(gained, situation.profile),
+        'loss': _loss(gained, situation),
         'rewind': _rewind(gained, topics),
+        'disorder': _disorder(gained, topics),
         'overload': _overload(gained),
     }
     return {kind: text for kind, text in found.items() if text}
 
 
-def _silence(gained: Counters, now: Counters, situation: Situation) -> str:
-    """Name the topics on which nothing comes; of camera infos, one is enough."""
-    topics = situation.topics
-    came = {
-        topics.depth: gained.depth,
-        topics.camera_info: now.camera_infos,
-        topics.mask: gained.masks,
-    }
-    silent = [
-        f'{topic} ({situation.publishers.get(topic, 0)} publishers)'
-        for topic, count in came.items()
-        if not count
-    ]
-    if not silent:
+_DEPTH_REMEDY = 'start the camera, or remap depth/image to its topic'
+_MASK_REMEDY = (
+    'start the segmentation, remap mask to its topic, or set the parameter segmentation to '
+    'nearest or background to do without'
+)
+
+
+def _silence(topic: str, came: int, remedy: str, situation: Situation) -> str:
+    if came or not topic:
         return ''
-    return f'nothing comes on {", ".join(silent)}; remap the node to the topics that you have'
+    count = situation.publishers.get(topic, 0)
+    if count:
+        remedy = 'a publisher is there but sends nothing that arrives: look at its log'
+    return (
+        f'nothing received on {topic} for {situation.seconds:.0f} s '
+        f'({_publishers(count)}); {remedy}'
+    )
+
+
+def _no_camera_info(now: Counters, situation: Situation) -> str:
+    """Tell that there has never been one; one is enough."""
+    if now.camera_infos:
+        return ''
+    topic = situation.topics.camera_info
+    return (
+        f'no camera info received on {topic} ({_publishers(situation.publishers.get(topic, 0))}), '
+        'without which no depth image can be answered; let the camera driver publish it, or '
+        "remap depth/camera_info to the depth camera's"
+    )
+
+
+def _publishers(count: int) -> str:
+    return f'{count or "no"} publisher{"" if count == 1 else "s"}'
 
 
 def _no_pairs(gained: Counters, topics: TopicNames) -> str:
@@ -96,13 +138,22 @@ def _no_pairs(gained: Counters, topics: TopicNames) -> str:
     )
 
 
-def _loss(gained: Counters, profile: str) -> str:
-    if not gained.lost:
+def _loss(gained: Counters, situation: Situation) -> str:
+    """Tell of images that were sent and did not come."""
+    came = gained.depth + gained.masks
+    told = []
+    if gained.missing > TOLERATED_SHARE * (gained.depth + gained.missing):
+        told.append(
+            f'by the stamps of {situation.topics.depth}, {gained.missing} of '
+            f'{gained.depth + gained.missing} depth images are missing'
+        )
+    if gained.lost > TOLERATED_SHARE * (came + gained.lost):
+        told.append(f'the middleware lost {gained.lost} images, with {came} received')
+    if not told:
         return ''
     return (
-        f'the middleware lost {gained.lost} images, with {gained.depth + gained.masks} received; '
-        f'start their publishers with FASTRTPS_DEFAULT_PROFILES_FILE={profile}, or set the '
-        'parameter reliability to reliable where the publishers are reliable'
+        f'{", and ".join(told)}; start their publishers with '
+        f'FASTRTPS_DEFAULT_PROFILES_FILE={situation.profile}, or let them publish reliably'
     )
 
 
@@ -112,6 +163,19 @@ def _rewind(gained: Counters, topics: TopicNames) -> str:
     return (
         f'the stamps of {topics.depth} went back, so pairing began anew: a recording was played '
         'again, or two publishers share the topic'
+    )
+
+
+def _disorder(gained: Counters, topics: TopicNames) -> str:
+    came = gained.depth + gained.masks
+    wrong = gained.duplicates + gained.late
+    if wrong <= TOLERATED_SHARE * came:
+        return ''
+    names = ' and '.join(filter(None, (topics.depth, topics.mask)))
+    return (
+        f'of {came} images on {names}, {gained.duplicates} repeat the stamp of another and '
+        f'{gained.late} came after newer ones; let one publisher send each topic, with stamps '
+        'that increase'
     )
 
 

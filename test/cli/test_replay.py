@@ -12,6 +12,7 @@ from rosbags.typesys import Stores, get_typestore
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.core.estimator import Estimator
 from lsc_pose_ros.core.frame import NO_BODY, Frame
+from lsc_pose_ros.core.sequence import Sequence, SequenceSettings
 from lsc_pose_ros.data.answering import MARKERS_TOPIC, SKELETONS_TOPIC
 from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.data.recording import (
@@ -203,6 +204,81 @@ def test_without_graph(
     np.testing.assert_array_equal(answer.skeletons.positions, expected.positions)
 
 
+def test_the_nodes_parameters_are_taken(
+    replay: Callable[..., Path], recording: Path, small_model_file: Path
+) -> None:
+    model = load_model(small_model_file)
+    settings = model.settings._replace(query_points=60)
+    sequence = Sequence(
+        Estimator(model._replace(settings=settings)),
+        SequenceSettings(smoothing=True, smoothing_cutoff=0.7, smoothing_beta=3.0, tracked=True),
+    )
+    words = '--query-points 60 --body-ids tracked --smoothing --smoothing-cutoff 0.7'
+    output = replay(recording, *words.split(), '--smoothing-beta', '3')
+    answers = [read_skeletons(data) for data in of(output, SKELETONS_TOPIC)]
+    frames = list(open_frames(recording))
+    for answer, frame in zip(answers, frames, strict=True):
+        expected = sequence.answer(frame.stamp, frame.depth, frame.labels, frame.camera)
+        for found, wanted in zip(answer.skeletons, expected, strict=True):
+            np.testing.assert_array_equal(found, wanted)
+
+
+def test_markers_as_asked_for(replay: Callable[..., Path], recording: Path) -> None:
+    output = replay(recording, '--minimum-confidence', '0.99', '--marker-lifetime', '2.5')
+    markers = read_with_rosbags(output, MARKERS_TOPIC)[0].markers
+    full = read_with_rosbags(replay(recording), MARKERS_TOPIC)[0].markers
+    assert len(markers[0].points) < len(full[0].points)
+    assert (full[0].lifetime.sec, full[0].lifetime.nanosec) == (0, 500_000_000)
+    assert {(each.lifetime.sec, each.lifetime.nanosec) for each in markers} == {(2, 500_000_000)}
+
+
+@pytest.mark.parametrize('masks', ['none', 'of every third frame'])
+def test_bodies_found_without_masks(
+    masks: str, replay: Callable[..., Path], people: list[Frame], tmp_path: Path
+) -> None:
+    path = tmp_path / 'unmasked.mcap'
+    with RecordingWriter(path) as writer:
+        for number, frame in enumerate(people[:6]):
+            write(writer, frame, masked=masks != 'none' and number % 3 == 0)
+    output = replay(path, '--segmentation', 'nearest')
+    answers = [read_skeletons(data).skeletons for data in of(output, SKELETONS_TOPIC)]
+    assert len(answers) == 6
+    assert all(answer.bodies.tolist() == [1] for answer in answers)
+    assert np.isfinite(answers[0].positions).any()
+
+
+def test_nobody_within_the_range(
+    recording: Path, small_model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = (recording, '-o', tmp_path / 'out.mcap', '--model', small_model_file)
+    ranges = ('--range-min', '0.1', '--range-max', '0.2')
+    text = complain(capsys, *words, '--segmentation', 'nearest', *ranges)
+    assert '--segmentation nearest finds nobody in 12 frames' in text
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ('words', 'reason'),
+    [
+        (['--query-points', '5'], '--query-points: 5 cannot be used'),
+        (['--query-points', '100000'], '--query-points: 100000 cannot be used'),
+        (['--segmentation', 'nearest', '--range-min', '6'], 'range'),
+    ],
+)
+def test_values_that_cannot_be_used(
+    words: list[str],
+    reason: str,
+    recording: Path,
+    small_model_file: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    output = tmp_path / 'out.mcap'
+    text = complain(capsys, recording, '-o', output, '--model', small_model_file, *words)
+    assert reason in text
+    assert not output.exists()
+
+
 def complain(capsys: pytest.CaptureFixture[str], *words: object) -> str:
     assert main(['replay', *map(str, words)]) == 2
     lines = capsys.readouterr().err.splitlines()
@@ -269,6 +345,11 @@ def test_recording_without_masks(
         ['--publish', '--rate', 'fast'],
         ['--publish', '--remap', '/depth'],
         ['--publish', '--wait-for', '-1'],
+        ['-o', 'out.mcap', '--smoothing-cutoff', '0'],
+        ['-o', 'out.mcap', '--smoothing-beta', '-1'],
+        ['-o', 'out.mcap', '--segmentation', 'magic'],
+        ['-o', 'out.mcap', '--body-ids', 'none'],
+        ['-o', 'out.mcap', '--range-max', 'inf'],
     ],
 )
 def test_words_that_make_no_sense(

@@ -53,7 +53,7 @@ def test_train_writes_a_model_and_its_figures(recordings, tmp_path, capsys):
     words = ['train', *recordings, '-o', str(path), *SMALL, '--seed', '7', '--json', str(figures)]
     assert main(words) == 0
     captured = capsys.readouterr()
-    assert re.match(r'.*me\.npz: 180 people, 2 trees, \d+ leaves', captured.out)
+    assert re.match(r'.*me\.npz: 170 people, 2 trees, \d+ leaves', captured.out)
     assert captured.err == ''  # no progress bar where there is no terminal
     found = load_model(path)
     assert found.settings.points == 120
@@ -61,8 +61,9 @@ def test_train_writes_a_model_and_its_figures(recordings, tmp_path, capsys):
     assert found.provenance['recordings'] == 'learn.mcap, bag'
     assert found.provenance['seed'] == '7'
     results = json.loads(figures.read_text())
-    assert results['people'] == 180
-    assert results['points'] == 180 * 120
+    assert results['people'] == 170
+    assert results['points'] == 170 * 120
+    assert results['calibrated'] is True
     assert results['bytes'] == path.stat().st_size
     assert sorted(p.name for p in tmp_path.iterdir()) == ['figures.json', 'me.npz']
 
@@ -76,7 +77,7 @@ def test_evaluate_prints_a_table_and_writes_the_agreed_results(
     assert main([*words, *([] if graph else ['--no-graph'])]) == 0
     table = capsys.readouterr().out
     assert [line.split()[0] for line in table.splitlines()] == [
-        'joint', 'head', 'neck', 'l_knee', 'mean', '30',
+        'joint', 'head', 'neck', 'l_knee', 'mean', '30', 'confidence',
     ]  # fmt: skip
     results = json.loads(path.read_text())
     assert results['frames'] == 30
@@ -90,6 +91,13 @@ def test_evaluate_prints_a_table_and_writes_the_agreed_results(
     assert results['map'] == pytest.approx(np.mean([score['ap'] for score in scores]))
     assert results['map'] > 0.8
     assert 0 < results['mean_error_m'] < 0.15
+    confidence = results['confidence']
+    assert confidence['calibrated'] is True
+    assert confidence['within_m'] == 0.1  # whatever the tolerance
+    assert 0 <= confidence['ece'] < 0.3
+    assert set(confidence['joints']) == set(results['joints'])
+    assert sum(each['n'] for each in confidence['bins']) == 90
+    assert all(each['least'] <= each['confidence'] <= each['most'] for each in confidence['bins'])
     assert 0 < results['ms_per_frame']['p50'] <= results['ms_per_frame']['p95']
 
 
@@ -185,6 +193,9 @@ def test_a_truncated_recording_is_used_up_to_the_damage(model, recordings, tmp_p
         ['--trees', 'many'],
         ['--depth', '-3'],
         ['--seed', 'x'],
+        ['--hold-out', '0.6'],
+        ['--hold-out', 'nan'],
+        ['--hold-out', '0.1', '--calibrate', 'other.mcap'],
     ],
 )
 def test_numbers_out_of_reason_end_with_two(words, recordings, tmp_path, capsys):
@@ -192,6 +203,33 @@ def test_numbers_out_of_reason_end_with_two(words, recordings, tmp_path, capsys)
         main(['train', recordings[0], '-o', str(tmp_path / 'm.npz'), *words])
     assert stop.value.code == 2
     assert words[0] in capsys.readouterr().err
+
+
+def test_confidence_may_be_learnt_from_other_recordings(recordings, tmp_path, capsys):
+    path, figures = tmp_path / 'me.npz', tmp_path / 'figures.json'
+    words = ['train', recordings[0], '-o', str(path), *SMALL, '--json', str(figures)]
+    assert main([*words, '--calibrate', recordings[1]]) == 0
+    assert json.loads(figures.read_text())['people'] == 150  # nobody is held out
+    assert load_model(path).provenance['confidence learnt from'] == '30 people'
+    assert main(['evaluate', str(path), recordings[1]]) == 0
+    assert 'not calibrated' not in capsys.readouterr().out
+
+
+def test_nobody_need_be_held_out(recordings, tmp_path, capsys):
+    path = tmp_path / 'me.npz'
+    assert main(['train', recordings[1], '-o', str(path), *SMALL, '--hold-out', '0']) == 0
+    assert len(load_model(path).calibration) == 0
+    assert main(['evaluate', str(path), recordings[1]]) == 0
+    assert capsys.readouterr().out.strip().endswith('not calibrated')
+
+
+def test_a_recording_to_calibrate_with_that_shows_nobody(recordings, people, tmp_path, capsys):
+    frames = [f._replace(labels=np.full_like(f.labels, NO_BODY)) for f in people[:3]]
+    empty = record(tmp_path / 'empty.mcap', frames)
+    words = ['train', recordings[0], '-o', tmp_path / 'm.npz', *SMALL, '--calibrate', empty]
+    line = complaint(capsys, words)
+    assert 'empty.mcap: no labelled person was found' in line
+    assert not (tmp_path / 'm.npz').exists()
 
 
 def test_a_negative_seed(recordings, tmp_path, capsys):

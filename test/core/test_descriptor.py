@@ -83,7 +83,7 @@ def test_mean_distance_of_degenerate_points(points: np.ndarray) -> None:
 def check_descriptors(points: np.ndarray, radius: float, inner_radius: float) -> None:
     """Check the plain and the fast descriptors of `points` against the equations."""
     expected = describe_twin(points, radius, inner_radius)
-    histograms = plain.describe(points, radius, inner_radius)
+    histograms = plain.describe(points, np.arange(len(points)), radius, inner_radius)
     np.testing.assert_allclose(histograms, expected, atol=2e-5)
     levels = describe(points, np.arange(len(points)), radius, inner_radius).astype(float)
     exact = np.minimum(255, LEVEL_SCALE * np.sqrt(expected))
@@ -113,13 +113,17 @@ def test_only_the_points_that_are_asked_for_are_described() -> None:
     everyone = describe(points, np.arange(80), 0.7, 0.1)
     some = np.array([3, 70, 3])
     np.testing.assert_array_equal(describe(points, some, 0.7, 0.1), everyone[some])
+    np.testing.assert_array_equal(
+        plain.describe(points, some, 0.7, 0.1),
+        plain.describe(points, np.arange(80), 0.7, 0.1)[some],
+    )
     assert describe(points, some[:0], 0.7, 0.1).shape == (0, DESCRIPTOR_SIZE)
 
 
 def test_a_histogram_sums_to_one_or_is_empty() -> None:
     points = np.random.default_rng(7).normal(0, 0.4, (80, 3)).astype(np.float32)
     points[0] = 50  # nobody near
-    sums = plain.describe(points, 0.7, 0.1).sum(axis=1)
+    sums = plain.describe(points, np.arange(len(points)), 0.7, 0.1).sum(axis=1)
     assert sums[0] == 0
     np.testing.assert_allclose(sums[1:], 1, atol=1e-5)
 

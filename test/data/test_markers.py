@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.markers import skeleton_markers
+from lsc_pose_ros.data.markers import Drawing, MarkerStyle, skeleton_markers
 
 EDGES = np.array([[0, 1], [1, 2]], np.int32)
 
@@ -62,3 +62,34 @@ def test_bodies_that_left_are_deleted(skeletons):
 def test_a_skeleton_without_bones(skeletons):
     shapes = skeleton_markers(skeletons, np.zeros((0, 2), np.int32))
     assert [s.action for s in shapes] == ['add', 'delete', 'add', 'delete']
+
+
+def of_bodies(skeletons, *rows):
+    return skeletons._replace(
+        bodies=skeletons.bodies[list(rows)],
+        positions=skeletons.positions[list(rows)],
+        confidence=skeletons.confidence[list(rows)],
+    )
+
+
+def test_a_drawing_deletes_each_body_that_left_once(skeletons):
+    drawing = Drawing(EDGES)
+    told = [
+        {(s.identifier, s.action) for s in drawing.shapes(each, MarkerStyle())}
+        for each in (
+            skeletons,
+            of_bodies(skeletons, 1),
+            of_bodies(skeletons),
+            of_bodies(skeletons),
+            of_bodies(skeletons, 0),
+        )
+    ]
+    both = {(3, 'add'), (7, 'add')}
+    assert told == [both, {(3, 'delete'), (7, 'add')}, {(7, 'delete')}, set(), {(3, 'add')}]
+
+
+def test_a_drawings_style(skeletons):
+    style = MarkerStyle(minimum_confidence=0.4, lifetime_ns=123)
+    shapes = Drawing(EDGES).shapes(skeletons, style)
+    assert [len(s.points) for s in shapes] == [2, 2, 2, 2]
+    assert {s.lifetime_ns for s in shapes} == {123}

@@ -6,6 +6,7 @@ import zipfile
 import numpy as np
 import pytest
 
+from lsc_pose_ros.core.confidence import support
 from lsc_pose_ros.core.estimator import Estimator
 from lsc_pose_ros.data.model_file import VERSION, describe_model, load_model, save_model
 from lsc_pose_ros.errors import InputError
@@ -34,7 +35,7 @@ def test_a_model_comes_back_as_it_was_but_for_half_precision(small_model, small_
     again = load_model(small_model_file)
     assert again.settings == small_model.settings
     assert again.provenance == small_model.provenance
-    for name in ('joints', 'edges', 'limb_lengths'):
+    for name in ('joints', 'edges', 'limb_lengths', 'calibration'):
         np.testing.assert_array_equal(getattr(again, name), getattr(small_model, name))
     for name in ('roots', 'feature', 'threshold', 'left'):
         np.testing.assert_array_equal(
@@ -115,6 +116,23 @@ def test_another_version_is_refused_by_its_number(small_model_file, tmp_path):
         load_model(path)
 
 
+def test_a_model_without_calibration_gives_the_share_of_the_votes(
+    small_model_file, people, tmp_path
+):
+    path = tmp_path / 'bare.npz'
+    header = change_header(small_model_file, version=1)
+    model = load_model(rewrite(small_model_file, path, header=header, calibration=None))
+    assert len(model.calibration) == 0
+    assert describe_model(model)['confidence'] == 'the share of the votes'
+    frame = people[30]
+    stages = Estimator(model).stages(frame.depth, frame.labels, frame.camera, 1)
+    shares = support(stages.joint_votes, stages.joints, model.settings.joint_bandwidth)
+    found = Estimator(model).estimate(frame.depth, frame.labels, frame.camera)
+    np.testing.assert_array_equal(found.confidence[0], shares)
+    save_model(path, model)
+    assert 'calibration' not in parts_of(path)
+
+
 def test_a_zip_bomb_is_refused_before_it_is_unpacked(monkeypatch, small_model_file):
     monkeypatch.setattr('lsc_pose_ros.data.model_file.LARGEST_ARRAY', 1000)
     with pytest.raises(InputError, match='bytes large'):
@@ -155,6 +173,12 @@ EVIL = {
     'limbs of no length': lambda p: {'limb_lengths': p['limb_lengths'] * 0},
     'other types': lambda p: {'left': p['left'].astype(np.int64)},
     'a part is missing': lambda _: {'feature': None},
+    'confidence that falls': lambda p: {'calibration': p['calibration'][:, ::-1]},
+    'confidence that is no number': lambda p: {'calibration': edit(p['calibration'], 0, np.nan)},
+    'confidence above 1': lambda p: {'calibration': p['calibration'] + 1},
+    'confidence of fewer joints': lambda p: {'calibration': p['calibration'][:-1]},
+    'confidence at a single share': lambda p: {'calibration': p['calibration'][:, :1]},
+    'confidence without shape': lambda p: {'calibration': p['calibration'].ravel()},
 }
 
 
@@ -177,6 +201,22 @@ def test_a_file_that_would_mislead_a_kernel_is_refused(change, small_model_file,
         ('inner_radius', 1.0),
         ('smoothing_sigma', True),
         ('smoothing_sigma', None),
+        ('feature', '4dlsc'),
+        ('feature', None),
+        ('feature', 3),
+        ('feature', ['dcf']),
+        ('sample', 'background'),
+        ('binning', 'halves'),
+        ('binning', True),
+        ('fixed_scale', -0.3),
+        ('fixed_scale', float('inf')),
+        ('offset_pairs', 0),
+        ('offset_pairs', 40_000),
+        ('offset_reach', 0),
+        ('offset_reach', float('nan')),
+        ('offset_seed', -1),
+        ('offset_seed', 0.5),
+        ('offset_seed', 1 << 200),
     ],
 )
 def test_settings_out_of_reason_are_refused(name, value, small_model, small_model_file, tmp_path):
@@ -185,6 +225,34 @@ def test_settings_out_of_reason_are_refused(name, value, small_model, small_mode
     path = rewrite(small_model_file, tmp_path / 'evil.npz', header=header)
     with pytest.raises(InputError, match='not a usable model'):
         load_model(path)
+
+
+def test_a_feature_with_fewer_numbers_than_the_trees_ask_for_is_refused(
+    small_model, small_model_file, tmp_path
+):
+    settings = small_model.settings._asdict() | {'feature': '2dsc'}
+    header = change_header(small_model_file, settings=settings)
+    with pytest.raises(InputError, match='trees point to places that do not exist'):
+        load_model(rewrite(small_model_file, tmp_path / 'evil.npz', header=header))
+
+
+def test_the_seed_of_the_offsets_may_be_any_that_train_takes(
+    small_model, small_model_file, tmp_path
+):
+    settings = small_model.settings._asdict() | {'offset_seed': 2**64}
+    header = change_header(small_model_file, settings=settings)
+    path = rewrite(small_model_file, tmp_path / 'seeded.npz', header=header)
+    assert load_model(path).settings.offset_seed == 2**64
+
+
+def test_a_model_of_version_1_has_the_papers_feature(small_model, small_model_file, tmp_path):
+    settings = small_model.settings._asdict()
+    for name in ('feature', 'sample', 'offset_pairs', 'offset_reach', 'offset_seed'):
+        del settings[name]
+    del settings['fixed_scale'], settings['binning']
+    header = change_header(small_model_file, version=1, settings=settings)
+    path = rewrite(small_model_file, tmp_path / 'old.npz', header=header)
+    assert load_model(path).settings == small_model.settings
 
 
 def test_settings_of_another_version_are_refused(small_model_file, tmp_path):
@@ -245,7 +313,9 @@ def test_a_model_describes_itself(small_model):
     assert words['joints'].startswith('head, neck, l_shoulder')
     assert words['trees'] == '2'
     assert words['points'] == '150'
-    assert words['samples'] == str(240 * 150)
+    assert words['samples'] == str(230 * 150)
+    assert words['confidence'] == 'calibrated'
+    assert words['confidence learnt from'] == '10 people'
     assert words['recordings'] == 'synthetic'
 
 

@@ -104,6 +104,18 @@ def test_the_feature_that_separates_is_found_among_those_drawn():
     assert tree.feature[0] == 77
 
 
+@pytest.mark.parametrize('size', [1, 5, 60, 1000])
+def test_trees_grow_on_any_number_of_features(size):
+    """On fewer features than a node may try, too, and on more than a descriptor's bins."""
+    rng = np.random.default_rng(size)
+    weights = rng.dirichlet(np.ones(4), BRANCH_SAMPLES + 500).astype(np.float32)
+    levels = rng.integers(0, 256, (size, len(weights)), np.uint8)
+    tree = grow_tree(levels, weights, GrowthSettings(leaf_samples=200), rng)
+    used = np.unique(tree.feature[tree.feature >= 0])
+    assert used.max() >= 0.9 * (size - 1)
+    assert len(used) > min(size, 40) / 2
+
+
 def test_partition_keeps_orders():
     levels, _ = random_samples(1)
     members = np.random.default_rng(1).permutation(300)[:100].astype(np.int32)

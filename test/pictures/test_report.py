@@ -10,8 +10,9 @@ from PIL import Image
 
 from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.learning.evaluate import Evaluation, JointScore, Summary, summarise
+from lsc_pose_ros.learning.reliability import measure_reliability
 from lsc_pose_ros.pictures.drawn_frame import DrawnFrame
-from lsc_pose_ros.pictures.plots import cumulative, error_curves, joint_bars
+from lsc_pose_ros.pictures.plots import cumulative, error_curves, joint_bars, reliability_plot
 from lsc_pose_ros.pictures.report import Report, write_report
 
 TOLERANCE = 0.1
@@ -29,6 +30,7 @@ def evaluation() -> Evaluation:
         np.arange(40),
         np.ones(40, np.uint16),
         np.full(40, 0.01),
+        rng.random(errors.shape, np.float32),
     )
 
 
@@ -83,7 +85,7 @@ def test_the_page_holds_its_pictures_and_refers_to_nothing_else(text: str) -> No
     page = Page(text)
     assert page.open == []
     assert page.references == page.images
-    assert len(page.images) == 4
+    assert len(page.images) == 5
     assert not re.search(r'https?:|//|@import|url\(', re.sub(r'base64,[\w+/=]+', '', text))
     for source in page.images:
         data = base64.b64decode(source.removeprefix('data:image/png;base64,'), validate=True)
@@ -110,7 +112,7 @@ def test_the_same_report_is_the_same_page(text: str, report: Report, tmp_path: P
 def test_a_report_without_frames_leaves_their_headings_out(report: Report, tmp_path: Path) -> None:
     text = write_report(tmp_path, report._replace(best=[], worst=[])).read_text(encoding='utf-8')
     assert 'frames</h2>' not in text
-    assert len(Page(text).images) == 2
+    assert len(Page(text).images) == 3
 
 
 def test_cumulative_counts_what_is_within() -> None:
@@ -153,3 +155,13 @@ def test_curves_show_the_limb_ends_that_are_labelled(evaluation: Evaluation) -> 
     legend = axes.get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ['all joints', 'elbows', 'wrists']
+
+
+def test_reliability_is_drawn_bin_by_bin(evaluation: Evaluation, text: str) -> None:
+    reliability = measure_reliability(evaluation)
+    shares, counts = reliability_plot(reliability).axes
+    drawn = shares.lines[1].get_xydata()
+    wanted = [(100 * each.confidence, 100 * each.share) for each in reliability.bins]
+    np.testing.assert_allclose(drawn, wanted)
+    assert sum(bar.get_height() for bar in counts.patches) == pytest.approx(100)
+    assert f'off by {100 * reliability.ece:.1f} %' in text

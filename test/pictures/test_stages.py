@@ -51,8 +51,25 @@ def test_bin_radii_are_where_the_descriptors_bins_end(radius_bin: int) -> None:
     assert radii[[0, -1]] == pytest.approx([0.08, 0.8])
     middle = np.sqrt(radii[radius_bin] * radii[radius_bin + 1])
     points = np.array([[0, 0, 2], [middle, 0, 2]], np.float32)
-    filled = describe(points, 0.8, 0.1)[0].reshape(RADIUS_BINS, AZIMUTH_BINS, ZENITH_BINS)
+    histogram = describe(points, np.arange(1), 0.8, 0.1)[0]
+    filled = histogram.reshape(RADIUS_BINS, AZIMUTH_BINS, ZENITH_BINS)
     assert filled.sum(axis=(1, 2))[radius_bin] == pytest.approx(1, abs=1e-3)
+
+
+@pytest.mark.parametrize('feature', ['2dsc', 'dcf'])
+def test_a_rivals_feature_is_not_drawn_and_that_is_said(
+    feature: str, people: list[Frame], model: Model
+) -> None:
+    settings = model.settings._replace(feature=feature, sample='body')
+    seen = see_body('frame 0', people[0], 1, model._replace(settings=settings))
+    stages = stages_of(seen)
+    assert [stage.name for stage in stages] == WITHOUT_MODEL + WITH_MODEL
+    assert stages[3].figure is None
+    axes = stage_sheet(seen).axes[3]
+    said = ' '.join(text.get_text() for text in axes.texts).split()
+    assert ' '.join(said) == (
+        f'The feature of this model, {feature}, is not drawn; only that of the paper, 3dlsc, is.'
+    )
 
 
 def test_the_shown_descriptor_is_that_of_an_outermost_point(seen: SeenBody) -> None:

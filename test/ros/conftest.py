@@ -3,4 +3,13 @@
 import importlib.util
 
 if importlib.util.find_spec('rclpy') is not None:
-    from live_ros import camera, corner, ear, probe, start, start_node  # noqa: F401
+    from live_ros import (  # noqa: F401
+        begin_node,
+        camera,
+        corner,
+        ear,
+        probe,
+        remote,
+        start,
+        start_node,
+    )

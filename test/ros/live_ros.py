@@ -7,11 +7,18 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import pytest
 import rclpy
+from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
+from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
+from rclpy.client import Client
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
+from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from visualization_msgs.msg import MarkerArray
@@ -19,12 +26,14 @@ from visualization_msgs.msg import MarkerArray
 import lsc_pose_ros
 from lsc_pose_ros.core.frame import Frame
 from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.recording import RecordingWriter, open_frames
 from lsc_pose_ros.data.recording.messages import read_skeletons
 from lsc_pose_ros.data.recording.serialise import (
     camera_info_message,
     depth_message,
     mask_message,
 )
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
 from lsc_pose_ros.ros.isolation import isolated_environment
 from lsc_pose_ros.ros.listener import Listener, open_listener
 
@@ -45,6 +54,15 @@ def wait_until(true: Callable[[], object], seconds: float = TIMEOUT) -> bool:
             return False
         time.sleep(0.02)
     return True
+
+
+def generate(folder: Path, **settings: object) -> list[Frame]:
+    """Synthetic frames as a recording gives them, depth from whole millimetres."""
+    small = {'frames': 30, 'seed': 9, 'width': 160, 'height': 120, 'distance': (1.8, 2.6)}
+    with RecordingWriter(folder / 'generated.mcap') as writer:
+        for frame in synthetic_frames(SyntheticSettings(**(small | settings))):
+            writer.write_frame(frame)
+    return list(open_frames(folder / 'generated.mcap'))
 
 
 class Program:
@@ -74,6 +92,9 @@ class Program:
         return wait_until(
             lambda: text in self.output or self._process.poll() is not None, seconds
         ) and (text in self.output)
+
+    def interrupt(self) -> None:
+        self._process.send_signal(signal.SIGINT)
 
     def ends(self, number: signal.Signals | None = None, seconds: float = TIMEOUT) -> int:
         """Send a signal, if one is given, and return the status with which the program ends."""
@@ -151,6 +172,81 @@ class Ear:
         return dict(read_skeletons(data) for data in self.of(SKELETONS))
 
 
+class Remote:
+    """The node's services, called from another process as the tools of ROS do."""
+
+    def __init__(self, node: Node, name: str = '/pose_node') -> None:
+        self._node = node
+        self._name = name
+        self._executor = SingleThreadedExecutor(context=node.context)
+        self._clients: dict[str, Client] = {}
+
+    @property
+    def state(self) -> str:
+        return self._call(GetState, 'get_state', GetState.Request()).current_state.label
+
+    def change(self, transition: str) -> bool:
+        """Ask for a transition, as `ros2 lifecycle set` does; return whether it was made."""
+        request = ChangeState.Request()
+        request.transition.label = transition
+        return self._call(ChangeState, 'change_state', request).success
+
+    def ask_to_change(self, transition: str) -> None:
+        """Ask for a transition without waiting for it."""
+        request = ChangeState.Request()
+        request.transition.label = transition
+        self._client(ChangeState, 'change_state').call_async(request)
+
+    @property
+    def transitions(self) -> set[str]:
+        answer = self._call(
+            GetAvailableTransitions,
+            'get_available_transitions',
+            GetAvailableTransitions.Request(),
+        )
+        return {each.transition.label for each in answer.available_transitions}
+
+    def set(self, name: str, value: object) -> str:
+        """Set a parameter; return why it was refused, or an empty text."""
+        message = Parameter(name, value=value).to_parameter_msg()
+        request = SetParameters.Request(parameters=[message])
+        (result,) = self._call(SetParameters, 'set_parameters', request).results
+        assert result.successful == (not result.reason)
+        return result.reason
+
+    def get(self, name: str) -> object:
+        """Return a parameter's value; None where there is no such parameter."""
+        request = GetParameters.Request(names=[name])
+        values = self._call(GetParameters, 'get_parameters', request).values
+        return parameter_value_to_python(values[0]) if values else None
+
+    def describe(self, *names: str) -> list[ParameterDescriptor]:
+        request = DescribeParameters.Request(names=names)
+        return self._call(DescribeParameters, 'describe_parameters', request).descriptors
+
+    def _call(self, kind: type, name: str, request: object) -> Any:
+        future = self._client(kind, name).call_async(request)
+        self._executor.add_node(self._node)
+        self._executor.spin_until_future_complete(future, TIMEOUT)
+        self._executor.remove_node(self._node)
+        assert future.done(), name
+        return future.result()
+
+    def spin(self, seconds: float) -> None:
+        """Let the probe receive for a while."""
+        self._executor.add_node(self._node)
+        self._executor.spin_once(seconds)
+        self._executor.remove_node(self._node)
+
+    def _client(self, kind: type, name: str) -> Client:
+        client = self._clients.get(name)
+        if client is None:
+            client = self._node.create_client(kind, f'{self._name}/{name}')
+            self._clients[name] = client
+        assert client.wait_for_service(TIMEOUT), name
+        return client
+
+
 @pytest.fixture(scope='session', autouse=True)
 def corner() -> dict[str, str]:
     """The environment of this test run's ROS programs, this one's too."""
@@ -170,6 +266,11 @@ def probe() -> Iterator[Node]:
     yield node
     node.destroy_node()
     rclpy.try_shutdown(context=context)
+
+
+@pytest.fixture
+def remote(probe: Node) -> Remote:
+    return Remote(probe)
 
 
 @pytest.fixture
@@ -199,13 +300,23 @@ def start(corner: dict[str, str], tmp_path: Path) -> Iterator[Callable[..., Prog
 
 
 @pytest.fixture
-def start_node(start: Callable[..., Program], small_model_file: Path) -> Callable[..., Program]:
-    """Start the node with parameters, and wait until it is ready."""
+def begin_node(start: Callable[..., Program], small_model_file: Path) -> Callable[..., Program]:
+    """Start the node with parameters."""
 
     def begin(**parameters: object) -> Program:
         values = {'model': small_model_file, **parameters}
         words = [word for name, value in values.items() for word in ('-p', f'{name}:={value}')]
-        node = start('-m', 'lsc_pose_ros.ros.main', '--ros-args', *words)
+        return start('-m', 'lsc_pose_ros.ros.main', '--ros-args', *words)
+
+    return begin
+
+
+@pytest.fixture
+def start_node(begin_node: Callable[..., Program]) -> Callable[..., Program]:
+    """Start the node with parameters, and wait until it is ready."""
+
+    def begin(**parameters: object) -> Program:
+        node = begin_node(**parameters)
         assert node.says('ready'), node.output
         return node
 

@@ -1,17 +1,36 @@
-"""The launch file, run on stand-ins: the wheels have no launch."""
+"""The launch file, run on stand-ins (the wheels have no launch), and the files that it reads."""
 
 import importlib.util
+import json
+import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+import yaml
 
 from lsc_pose_ros.resources import resource
 
-FILE = Path(__file__).resolve().parents[2] / 'launch' / 'pose.launch.py'
-SOURCES = Path(__file__).resolve().parents[2] / 'lsc_pose_ros' / 'ros'
+ROOT = Path(__file__).resolve().parents[2]
+FILE = ROOT / 'launch' / 'pose.launch.py'
+SOURCES = ROOT / 'lsc_pose_ros' / 'ros'
+CONFIG = ROOT / 'config'
+
+CAMERAS = ('azure', 'kinect', 'none', 'orbbec', 'realsense', 'zed')
+TAKEN = {'depth/image', 'depth/camera_info', 'mask'}
+
+# Where the drivers publish, to be sure that no file is changed by accident.
+DEPTH_TOPICS = {
+    'azure': '/depth/image_raw',
+    'kinect': '/kinect/depth/image_raw',
+    'none': 'depth/image',
+    'orbbec': '/camera/depth/image_raw',
+    'realsense': '/camera/camera/depth/image_rect_raw',
+    'zed': '/zed/zed_node/depth/depth_registered',
+}
 
 
 class Made:
@@ -31,16 +50,16 @@ class Argument(Made):
 
 STAND_INS: dict[str, dict[str, Any]] = {
     'ament_index_python': {},
-    'ament_index_python.packages': {
-        'get_package_share_directory': lambda _package: str(resource('config').parent)
-    },
+    'ament_index_python.packages': {'get_package_share_directory': lambda _package: str(ROOT)},
     'launch': {'LaunchContext': dict, 'LaunchDescription': list},
     'launch.actions': dict.fromkeys(
         ('DeclareLaunchArgument', 'OpaqueFunction', 'SetEnvironmentVariable'), Made
     ),
+    'launch.conditions': {'IfCondition': Made},
     'launch.substitutions': {'EnvironmentVariable': Made, 'LaunchConfiguration': Argument},
     'launch_ros': {},
     'launch_ros.actions': {'Node': Made},
+    'launch_ros.parameter_descriptions': {'ParameterValue': Made},
 }
 
 
@@ -56,33 +75,152 @@ def launch_file(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return module
 
 
-def started(launch_file: ModuleType, **given: str) -> dict[str, Any]:
-    """What the node is started with, where the user gives some arguments."""
+def started(launch_file: ModuleType, **given: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the node and RViz are started with, where the user gives some arguments."""
     description = launch_file.generate_launch_description()
     declared = [each for each in description if 'default_value' in each.named]
     values = {each.words[0]: each.named['default_value'] for each in declared}
+    assert given.keys() <= values.keys()
     function = next(each.named['function'] for each in description if 'function' in each.named)
-    (node,) = function(values | given)
-    return node.named
+    node, rviz = function(values | given)
+    return node.named, rviz.named
+
+
+def set_in(node: dict[str, Any]) -> dict[str, Any]:
+    """The parameters that the node gets besides the file."""
+    _file, *rest = node['parameters']
+    assert len(rest) <= 1
+    return {
+        name: value.words[0] if isinstance(value, Made) else value
+        for parameters in rest
+        for name, value in parameters.items()
+    }
+
+
+def presets() -> dict[str, dict[str, Any]]:
+    return {
+        path.stem: yaml.safe_load(path.read_text(encoding='utf-8'))
+        for path in (CONFIG / 'cameras').iterdir()
+    }
+
+
+def values_in(tree: object) -> Iterator[object]:
+    """All keys and values of nested lists and dictionaries."""
+    if isinstance(tree, dict):
+        for key, value in tree.items():
+            yield key
+            yield from values_in(value)
+    elif isinstance(tree, list):
+        for value in tree:
+            yield from values_in(value)
+    else:
+        yield tree
 
 
 def test_node_is_started_with_the_documented_parameters(launch_file: ModuleType) -> None:
-    node = started(launch_file)
+    node, _ = started(launch_file)
     assert (node['package'], node['executable']) == ('lsc_pose_ros', 'pose_node')
-    assert node['parameters'] == [str(resource('config', 'pose_node.yaml'))]
+    assert node['parameters'] == [str(CONFIG / 'pose_node.yaml')]
 
 
 def test_model_of_the_command_line_comes_after_the_file(launch_file: ModuleType) -> None:
-    node = started(launch_file, config='mine.yaml', model='me.npz')
-    assert node['parameters'] == ['mine.yaml', {'model': 'me.npz'}]
+    node, _ = started(launch_file, config='mine.yaml', model='2024')
+    assert node['parameters'][0] == 'mine.yaml'
+    assert set_in(node) == {'model': '2024'}
+    # Else launch makes a number of it.
+    assert node['parameters'][1]['model'].named == {'value_type': str}
+
+
+def test_without_a_preset_the_node_listens_to_its_own_names(launch_file: ModuleType) -> None:
+    node, _ = started(launch_file)
+    assert all(name == target for name, target in node['remappings'])
 
 
 def test_topics_are_remapped_from_what_the_node_listens_to(launch_file: ModuleType) -> None:
-    node = started(launch_file, depth_image='/k/z', camera_info='/k/info', mask='/who')
+    node, _ = started(launch_file, depth_image='/k/z', camera_info='/k/info', mask='/who')
+    assert dict(node['remappings']) == {
+        'depth/image': '/k/z',
+        'depth/camera_info': '/k/info',
+        'mask': '/who',
+    }
+    source = (SOURCES / 'inputs.py').read_text(encoding='utf-8')
+    assert all(f"'{topic}'" in source for topic in TAKEN)
+
+
+@pytest.mark.parametrize('camera', CAMERAS)
+def test_a_preset_connects_the_camera(launch_file: ModuleType, camera: str) -> None:
+    node, rviz = started(launch_file, camera=camera)
+    preset = presets()[camera]
     remapped = dict(node['remappings'])
-    assert remapped == {'depth/image': '/k/z', 'depth/camera_info': '/k/info', 'mask': '/who'}
-    source = (SOURCES / 'inputs.py').read_text()
-    assert all(f"'{topic}'" in source for topic in remapped)
+    assert remapped.items() >= preset['topics'].items()
+    assert remapped['depth/image'] == DEPTH_TOPICS[camera]
+    assert set_in(node) == preset['parameters']
+    assert rviz['arguments'] == ['-d', str(CONFIG / 'lsc_pose.rviz'), '-f', preset['frame']]
+
+
+def test_the_azure_kinect_brings_its_own_mask(launch_file: ModuleType) -> None:
+    node, _ = started(launch_file, camera='azure')
+    assert dict(node['remappings'])['mask'] == '/body_index_map/image_raw'
+    assert set_in(node)['mask_background'] == 255
+    assert set_in(node)['segmentation'] == 'mask'
+
+
+def test_a_mask_that_is_named_is_used(launch_file: ModuleType) -> None:
+    node, _ = started(launch_file, camera='realsense')
+    assert set_in(node)['segmentation'] == 'nearest'
+    node, _ = started(launch_file, camera='realsense', mask='/people')
+    assert set_in(node)['segmentation'] == 'mask'
+    assert dict(node['remappings'])['mask'] == '/people'
+    node, _ = started(launch_file, camera='zed', mask='/people', segmentation='background')
+    assert set_in(node)['segmentation'] == 'background'
+
+
+def test_the_command_line_wins_over_the_preset(launch_file: ModuleType) -> None:
+    node, rviz = started(
+        launch_file,
+        camera='zed',
+        depth_image='/left/depth',
+        depth_transport='compressedDepth',
+        model='m.npz',
+        frame='left',
+    )
+    assert dict(node['remappings'])['depth/image'] == '/left/depth'
+    assert dict(node['remappings'])['depth/camera_info'] == '/zed/zed_node/depth/camera_info'
+    assert set_in(node) == {
+        'depth_transport': 'compressedDepth',
+        'model': 'm.npz',
+        'segmentation': 'nearest',
+    }
+    assert rviz['arguments'][-1] == 'left'
+
+
+def test_rviz_starts_only_where_it_is_asked_for(launch_file: ModuleType) -> None:
+    node, rviz = started(launch_file)
+    assert 'condition' not in node
+    (condition,) = rviz['condition'].words
+    assert condition.words == ('rviz',)
+    assert condition.perform({'rviz': 'false'}) == 'false'
+    description = launch_file.generate_launch_description()
+    (argument,) = (each for each in description if each.words[:1] == ('rviz',))
+    assert argument.named['default_value'] == 'false'
+
+
+def test_rviz_shows_the_topics_that_the_node_has(launch_file: ModuleType) -> None:
+    _, rviz = started(launch_file, camera='azure', namespace='robot', mask='people')
+    shown = dict(rviz['remappings'])
+    assert shown['/depth/image'] == '/depth/image_raw'
+    assert shown['/mask'] == '/robot/people'
+    assert shown['/pose_node/skeletons'] == '/robot/pose_node/skeletons'
+    assert shown['/pose_node/joint_markers'] == '/robot/pose_node/joint_markers'
+    _, rviz = started(launch_file)
+    assert all(name == target for name, target in rviz['remappings'])
+
+
+def test_the_cameras_to_choose_from_are_the_files(launch_file: ModuleType) -> None:
+    description = launch_file.generate_launch_description()
+    (camera,) = (each for each in description if each.words == ('camera',))
+    assert tuple(camera.named['choices']) == CAMERAS
+    assert camera.named['default_value'] == 'none'
 
 
 def test_images_use_the_profile_unless_the_user_has_another(launch_file: ModuleType) -> None:
@@ -90,4 +228,60 @@ def test_images_use_the_profile_unless_the_user_has_another(launch_file: ModuleT
     (name, value) = next(each.words for each in description if len(each.words) == 2)
     assert name == 'FASTRTPS_DEFAULT_PROFILES_FILE'
     assert value.words == (name,)
-    assert value.named['default_value'] == str(resource('config', 'fastdds_profile.xml'))
+    assert value.named['default_value'] == str(CONFIG / 'fastdds_profile.xml')
+
+
+@pytest.mark.parametrize('camera', CAMERAS)
+def test_a_preset_names_topics_of_the_node_and_its_source(camera: str) -> None:
+    path = CONFIG / 'cameras' / f'{camera}.yaml'
+    text = path.read_text(encoding='utf-8')
+    preset = presets()[camera]
+    assert preset.keys() == {'frame', 'topics', 'parameters'}
+    assert {'depth/image', 'depth/camera_info'} <= preset['topics'].keys() <= TAKEN
+    if camera == 'none':
+        return
+    assert all(topic.startswith('/') for topic in preset['topics'].values())
+    # Without a mask the node must know another way.
+    has_mask = 'mask' in preset['topics']
+    assert preset['parameters']['segmentation'] == ('mask' if has_mask else 'nearest')
+    assert re.search(r'^# Topics, .*\n?.*https://', text, re.MULTILINE)
+    assert f'pose.launch.py camera:={camera}' in text
+    assert re.search(r'^#     ros2 (launch|run) (?!lsc_pose_ros)', text, re.MULTILINE)
+
+
+@pytest.mark.parametrize('name', ['lsc_pose.rviz', 'foxglove_layout.json'])
+def test_the_views_show_all_that_the_node_takes_and_gives(name: str) -> None:
+    text = (CONFIG / name).read_text(encoding='utf-8')
+    tree = json.loads(text) if name.endswith('json') else yaml.safe_load(text)
+    named = {value for value in values_in(tree) if isinstance(value, str)}
+    outputs = (SOURCES / 'outputs.py').read_text(encoding='utf-8')
+    given = set(re.findall(r"'~/(\w+)'", outputs))
+    assert given == {'skeletons', 'joint_markers'}
+    assert {f'/pose_node/{topic}' for topic in given} | {'/depth/image', '/mask'} <= named
+
+
+def test_the_foxglove_layout_places_every_panel_once() -> None:
+    tree = json.loads((CONFIG / 'foxglove_layout.json').read_text(encoding='utf-8'))
+
+    def panels(place: object) -> Iterator[str]:
+        if isinstance(place, str):
+            yield place
+        else:
+            assert place['direction'] in {'row', 'column'}
+            yield from panels(place['first'])
+            yield from panels(place['second'])
+
+    placed = list(panels(tree['layout']))
+    assert sorted(placed) == sorted(tree['configById'])
+    assert {panel.partition('!')[0] for panel in placed} == {
+        '3D', 'Image', 'DiagnosticSummary', 'DiagnosticStatusPanel',
+    }  # fmt: skip
+    diagnostics = (SOURCES / 'diagnostics.py').read_text(encoding='utf-8')
+    status = tree['configById']['DiagnosticStatusPanel!pose_node']
+    assert f"'{status['topicToRender']}'" in diagnostics
+    assert status['selectedName'].removeprefix('pose_node: ') in diagnostics
+
+
+def test_the_files_are_found_where_the_package_is_installed() -> None:
+    for parts in (('cameras', 'azure.yaml'), ('lsc_pose.rviz',), ('foxglove_layout.json',)):
+        assert resource('config', *parts).is_file()

@@ -28,7 +28,7 @@ SLOW_START = """
 import sys
 import time
 
-from lsc_pose_ros.ros import node
+from lsc_pose_ros.ros import preparation
 from lsc_pose_ros.ros.main import main
 
 def compile_slowly(estimator):
@@ -37,7 +37,7 @@ def compile_slowly(estimator):
         time.sleep(0.1)
     return warm_up(estimator)
 
-warm_up, node.warm_up = node.warm_up, compile_slowly
+warm_up, preparation.warm_up = preparation.warm_up, compile_slowly
 sys.exit(main())
 """
 

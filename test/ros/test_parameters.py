@@ -1,21 +1,31 @@
 """The node's parameters."""
 
+import importlib.util
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Program
+from live_ros import Camera, Ear, Program, Remote, generate
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
+from visualization_msgs.msg import Marker
 
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.frame import Frame
+from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.sequence import Sequence, SequenceSettings
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.resources import resource
-from lsc_pose_ros.ros.parameters import DECLARATIONS, Parameters, declare_parameters
+from lsc_pose_ros.ros.parameters import ALWAYS, DECLARATIONS, Parameters, declare_parameters
 
 
 @pytest.fixture
@@ -78,7 +88,12 @@ def test_values_given_at_the_start(declare: Callable[..., Parameters]) -> None:
         ('mask_background', 'none', 'must be of type integer'),
         ('sync_queue', 0, 'from 1 to 1000'),
         ('minimum_confidence', 1.5, 'from 0.0 to 1.0'),
-        ('reliability', 'certain', 'best_effort or reliable'),
+        ('reliability', 'certain', 'auto or best_effort or reliable'),
+        ('segmentation', 'guess', 'mask or background or nearest'),
+        ('body_ids', 'names', 'mask or tracked'),
+        ('query_points', -1, 'from 0 to 10000'),
+        ('smoothing', 'a little', 'must be of type bool'),
+        ('smoothing_cutoff', 1, 'written with a decimal point'),
         ('depth_transport', 'theora', 'raw or compressedDepth'),
         ('model', 5, 'must be of type string'),
         ('graph', 'yes', 'must be of type bool'),
@@ -92,15 +107,256 @@ def test_wrong_value_names_the_parameter_and_the_rule(
     assert rule in str(error.value)
 
 
-def test_parameters_cannot_be_set_while_the_node_runs() -> None:
-    context = Context()
-    context.init([])
-    node = Node('declaring', context=context)
-    declare_parameters(node)
-    results = node.set_parameters([Parameter('sync_slop', value=0.5)])
-    assert not results[0].successful
-    node.destroy_node()
-    context.try_shutdown()
+def test_every_parameter_is_described_to_the_tools(
+    begin_node: Callable[..., Program], remote: Remote
+) -> None:
+    begin_node(autostart='false')
+    for name, described in zip(DECLARATIONS, remote.describe(*DECLARATIONS), strict=True):
+        declared = DECLARATIONS[name]
+        assert described.name == name
+        assert described.description == declared.meaning
+        assert described.read_only == (name == 'autostart'), name
+        assert declared.change in described.additional_constraints
+        for choice in declared.choices:
+            assert choice in described.additional_constraints, name
+        ranges = [*described.floating_point_range, *described.integer_range]
+        assert [(each.from_value, each.to_value) for each in ranges] == (
+            [] if declared.lowest is None else [(declared.lowest, declared.highest)]
+        ), name
+
+
+BAD_AT_ANY_TIME = [
+    ('sync_slop', 2.0, 'sync_slop out of range'),
+    ('sync_slop', float('nan'), 'sync_slop out of range'),
+    ('minimum_confidence', -0.1, 'minimum_confidence out of range'),
+    ('marker_lifetime', 'long', 'Wrong parameter type'),
+    ('smoothing', 1, 'Wrong parameter type'),
+    ('smoothing_cutoff', 0.0, 'smoothing_cutoff out of range'),
+    ('smoothing_beta', -1.0, 'smoothing_beta out of range'),
+    ('query_points', 9, 'parameter query_points: 9 cannot be used; it must be 0 or from 10 to'),
+    ('query_points', -1, 'query_points out of range'),
+    ('autostart', False, 'read-only'),
+    ('no_such_parameter', 1, 'undeclared'),
+]
+
+GOOD_AT_ANY_TIME = {
+    'query_points': 50,
+    'sync_slop': 0.02,
+    'smoothing': True,
+    'smoothing_cutoff': 2.0,
+    'smoothing_beta': 0.1,
+    'minimum_confidence': 0.3,
+    'marker_lifetime': 2.0,
+}
+
+WHILE_UNCONFIGURED = {
+    'model': '/somewhere/model.npz',
+    'graph': False,
+    'segmentation': 'nearest',
+    'range_min': 0.8,
+    'range_max': 3.0,
+    'background_seconds': 1.0,
+    'background_margin': 0.2,
+    'mask_background': 255,
+    'depth_transport': 'compressedDepth',
+    'mask_transport': 'compressed',
+    'reliability': 'reliable',
+    'sync_queue': 5,
+    'body_ids': 'tracked',
+    'publish_tf': True,
+}
+
+
+def test_every_parameter_is_tried_here() -> None:
+    tried = {*GOOD_AT_ANY_TIME, *WHILE_UNCONFIGURED, 'autostart'}
+    assert tried == set(DECLARATIONS)
+    changes = {name: declared.change for name, declared in DECLARATIONS.items()}
+    assert {name for name, change in changes.items() if change == ALWAYS} == set(GOOD_AT_ANY_TIME)
+    assert all(value != DECLARATIONS[name].default for name, value in WHILE_UNCONFIGURED.items())
+
+
+def test_what_is_refused_and_what_is_taken_while_the_node_runs(
+    start_node: Callable[..., Program], remote: Remote, small_model_file: Path
+) -> None:
+    node = start_node()
+    for name, value in GOOD_AT_ANY_TIME.items():
+        assert not remote.set(name, value), name
+        assert remote.get(name) == value
+    for name, value, reason in BAD_AT_ANY_TIME:
+        assert reason in remote.set(name, value), name
+        assert remote.get(name) == GOOD_AT_ANY_TIME.get(name, remote.get(name))
+    most = load_model(small_model_file).settings.points
+    assert not remote.set('query_points', most)
+    assert f'from 10 to {most}' in remote.set('query_points', most + 1)
+    assert not remote.set('query_points', 0)
+    assert not remote.set('smoothing_beta', 1)  # what people type
+    assert remote.get('smoothing_beta') == 1.0
+    for name, value in WHILE_UNCONFIGURED.items():
+        before = remote.get(name)
+        refused = remote.set(name, value)
+        assert f'parameter {name}: it can be set only while the node is unconfigured' in refused
+        assert 'clean up the node first' in refused
+        assert remote.get(name) == before, name
+    assert 'Traceback' not in node.output
+
+
+def test_what_is_refused_and_what_is_taken_while_the_node_is_unconfigured(
+    begin_node: Callable[..., Program], remote: Remote
+) -> None:
+    begin_node(autostart='false')
+    for name, value in {**WHILE_UNCONFIGURED, **GOOD_AT_ANY_TIME}.items():
+        assert not remote.set(name, value), name
+        assert remote.get(name) == value
+    bad = [
+        ('segmentation', 'guess', 'mask or background or nearest'),
+        ('depth_transport', 'theora', 'raw or compressedDepth'),
+        ('mask_transport', 'theora', 'raw or compressed'),
+        ('reliability', 'certain', 'auto or best_effort or reliable'),
+        ('body_ids', 'names', 'mask or tracked'),
+        ('mask_background', 65536, 'mask_background out of range'),
+        ('model', 5, 'Wrong parameter type'),
+        ('autostart', False, 'read-only'),
+    ]
+    for name, value, reason in bad:
+        before = remote.get(name)
+        assert reason in remote.set(name, value), name
+        assert remote.get(name) == before
+
+
+def test_what_does_not_go_together_is_told_when_the_node_is_configured(
+    begin_node: Callable[..., Program], remote: Remote
+) -> None:
+    node = begin_node(autostart='false', segmentation='nearest', range_min='3.0', range_max='2.0')
+    assert not remote.change('configure')
+    assert node.says('range_min', 5)
+    assert not remote.set('range_max', 4.0)
+    assert not remote.set('query_points', 9999)  # no model is loaded yet that could say no
+    assert not remote.change('configure')
+    assert node.says('parameter query_points: 9999 cannot be used', 5)
+    assert not remote.set('query_points', 0)
+    assert remote.change('configure')
+    assert 'Traceback' not in node.output
+
+
+@pytest.fixture(scope='module')
+def frames(tmp_path_factory: pytest.TempPathFactory) -> list[Frame]:
+    return generate(tmp_path_factory.mktemp('frames'), frames=12)
+
+
+class Conversation:
+    """Frames are sent one by one, and each is answered before the next."""
+
+    def __init__(self, camera: Camera, ear: Ear) -> None:
+        self._camera, self._ear = camera, ear
+        camera.wait_for_node()
+        ear.wait_for_node()
+
+    def ask(self, frame: Frame) -> tuple[Skeletons, list[Marker]]:
+        self._ear.forget()
+        self._camera.send(frame)
+        assert self._ear.wait_for(1, 10)
+        return self._ear.skeletons[frame.stamp], self._ear.markers[0].markers
+
+
+def assert_equal(found: Skeletons, expected: Skeletons) -> None:
+    for name in Skeletons._fields:
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name)
+
+
+def test_changes_take_effect_while_the_node_runs(
+    start_node: Callable[..., Program],
+    remote: Remote,
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+    small_model_file: Path,
+) -> None:
+    start_node()
+    talk = Conversation(camera, ear)
+    model = load_model(small_model_file)
+    fewer = model._replace(settings=model.settings._replace(query_points=20))
+
+    def plain(frame: Frame, model: Model = model) -> Skeletons:
+        return Estimator(model).estimate(frame.depth, frame.labels, frame.camera)
+
+    skeletons, markers = talk.ask(frames[0])
+    assert_equal(skeletons, plain(frames[0]))
+    assert {each.action for each in markers} == {Marker.ADD}
+    assert {each.lifetime.nanosec for each in markers} == {500_000_000}
+
+    assert not remote.set('query_points', 20)
+    skeletons, _ = talk.ask(frames[1])
+    assert_equal(skeletons, plain(frames[1], fewer))
+    assert not np.array_equal(skeletons.positions, plain(frames[1]).positions, equal_nan=True)
+    assert not remote.set('query_points', 0)
+    assert_equal(talk.ask(frames[2])[0], plain(frames[2]))
+
+    assert not remote.set('marker_lifetime', 3)
+    assert {each.lifetime.sec for each in talk.ask(frames[3])[1]} == {3}
+    assert not remote.set('minimum_confidence', 1.0)
+    skeletons, markers = talk.ask(frames[4])
+    assert_equal(skeletons, plain(frames[4]))
+    assert Marker.ADD not in {each.action for each in markers}
+    assert not remote.set('minimum_confidence', 0.0)
+
+    assert not remote.set('smoothing', value=True)
+    assert not remote.set('smoothing_cutoff', 0.1)
+    assert not remote.set('smoothing_beta', 0.0)
+    smooth = Sequence(
+        Estimator(model),
+        SequenceSettings(smoothing=True, smoothing_cutoff=0.1, smoothing_beta=0.0),
+    )
+    for frame in frames[5:8]:
+        expected = smooth.answer(frame.stamp, frame.depth, frame.labels, frame.camera)
+        assert_equal(talk.ask(frame)[0], expected)
+    assert not np.array_equal(expected.positions, plain(frame).positions, equal_nan=True)
+    assert not remote.set('smoothing', value=False)
+    assert_equal(talk.ask(frames[8])[0], plain(frames[8]))
+
+
+def test_sync_slop_takes_effect_while_the_node_runs(
+    start_node: Callable[..., Program],
+    remote: Remote,
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+) -> None:
+    start_node()
+    camera.wait_for_node()
+    ear.wait_for_node()
+
+    def send_with_late_mask(frame: Frame) -> None:
+        camera.send_depth(frame)
+        camera.send_mask(frame._replace(stamp=frame.stamp + 5_000_000))
+
+    send_with_late_mask(frames[0])
+    time.sleep(1)
+    assert not ear.skeletons
+    assert not remote.set('sync_slop', 0.01)
+    for frame in frames[1:4]:
+        send_with_late_mask(frame)
+        time.sleep(0.1)
+    assert ear.wait_for(2, 10)
+    assert {frames[1].stamp, frames[2].stamp} <= set(ear.skeletons)
+
+
+def test_parameters_of_an_unconfigured_node_take_effect_when_it_is_configured(
+    begin_node: Callable[..., Program],
+    remote: Remote,
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+    small_model_file: Path,
+) -> None:
+    begin_node(autostart='false', model='/nowhere/model.npz')
+    assert not remote.set('model', str(small_model_file))
+    assert not remote.set('graph', value=False)
+    assert remote.change('configure')
+    assert remote.change('activate')
+    talk = Conversation(camera, ear)
+    alone = Estimator(load_model(small_model_file), graph=False)
+    expected = alone.estimate(frames[0].depth, frames[0].labels, frames[0].camera)
+    assert_equal(talk.ask(frames[0])[0], expected)
 
 
 @pytest.mark.parametrize(
@@ -130,6 +386,16 @@ def test_node_that_gets_another_file_as_model(
     node = start('-m', 'lsc_pose_ros.ros.main', '--ros-args', '-p', f'model:={path}')
     assert node.ends() == 2
     assert str(path) in node.output
+    assert 'Traceback' not in node.output
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec('tf2_msgs') is not None, reason='tf2_msgs is installed'
+)
+def test_transforms_without_their_package(begin_node: Callable[..., Program]) -> None:
+    node = begin_node(publish_tf='true')
+    assert node.ends() == 2
+    assert 'pose_node: error: parameter publish_tf: it needs the package tf2_msgs' in node.output
     assert 'Traceback' not in node.output
 
 

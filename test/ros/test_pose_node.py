@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Camera, Ear, Program, wait_until
+from live_ros import Camera, Ear, Program, Remote, generate, wait_until
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CompressedImage, Image, PointField
@@ -20,25 +20,14 @@ from visualization_msgs.msg import Marker
 from lsc_pose_ros.core.estimator import Estimator
 from lsc_pose_ros.core.frame import NO_BODY, Frame
 from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.segmentation import SegmentationSettings, make_segmenter, segment
 from lsc_pose_ros.core.skeletons import Skeletons
 from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import RecordingWriter, open_frames
 from lsc_pose_ros.data.recording.serialise import camera_info_message, mask_message
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
 
-FRAMES = 30
 SLOW_NODE = Path(__file__).parent / 'slow_node.py'
 DEFAULT_CAMERA = Path(__file__).parent / 'default_camera.py'
-
-
-def generate(folder: Path, **settings: object) -> list[Frame]:
-    """Synthetic frames as a recording gives them, depth from whole millimetres."""
-    small = {'frames': FRAMES, 'seed': 9, 'width': 160, 'height': 120, 'distance': (1.8, 2.6)}
-    with RecordingWriter(folder / 'generated.mcap') as writer:
-        for frame in synthetic_frames(SyntheticSettings(**(small | settings))):
-            writer.write_frame(frame)
-    return list(open_frames(folder / 'generated.mcap'))
 
 
 @pytest.fixture(scope='module')
@@ -181,7 +170,7 @@ def test_mask_slower_and_later_than_depth(
     start_node()
     meet(camera, ear)
     delay = 6
-    masked = frames[: FRAMES - delay : 3]
+    masked = frames[: len(frames) - delay : 3]
     for number, frame in enumerate(frames):
         camera.send_depth(frame)
         if number >= delay and number % 3 == 0:
@@ -310,28 +299,19 @@ def test_signal_ends_the_node_at_once_and_quietly(
     assert 'rror' not in node.output
 
 
-def test_signal_ends_the_node_while_it_starts(
-    start: Callable[..., Program], small_model_file: Path
-) -> None:
-    node = start(SLOW_NODE, 10, '--ros-args', '-p', f'model:={small_model_file}')
-    assert node.says('compiling the kernels')
-    assert node.ends(signal.SIGINT) == 0
-    assert 'Traceback' not in node.output
-
-
 def test_publisher_of_best_effort_does_not_suit_reliable(
     start_node: Callable[..., Program], probe: Node
 ) -> None:
     node = start_node(reliability='reliable')
     probe.create_publisher(Image, 'depth/image', qos_profile_sensor_data)
     assert node.says('/depth/image: a publisher offers an incompatible RELIABILITY', 10)
-    assert 'set the parameter reliability to best_effort' in node.output
+    assert 'set the parameter reliability to auto or best_effort' in node.output
 
 
 def test_lost_images_are_told_with_the_remedy(
     start_node: Callable[..., Program], start: Callable[..., Program]
 ) -> None:
-    node = start_node()
+    node = start_node(reliability='best_effort')
     start(DEFAULT_CAMERA, 12, FASTRTPS_DEFAULT_PROFILES_FILE='')
     assert node.says('the middleware lost', 20), node.output
     assert re.search(
@@ -342,11 +322,10 @@ def test_lost_images_are_told_with_the_remedy(
 def test_with_the_profile_no_image_is_lost(
     start_node: Callable[..., Program], start: Callable[..., Program]
 ) -> None:
-    node = start_node()
+    node = start_node(reliability='best_effort')
     start(DEFAULT_CAMERA, 12)
     # The same report that would name losses names what is silent.
-    silent = 'nothing comes on /depth/camera_info (0 publishers), /mask (0 publishers); remap'
-    assert node.says(silent, 20), node.output
+    assert node.says('nothing received on /mask for 5 s (no publishers)', 20), node.output
     assert 'lost' not in node.output
 
 
@@ -391,6 +370,75 @@ def test_topics_are_relative_and_can_be_remapped(
     assert node.says('listening to /kinect/depth_rect, /robot/depth/camera_info, /robot/mask')
     names = {'/robot/pose_node/skeletons', '/robot/pose_node/joint_markers'}
     assert wait_until(lambda: names <= {name for name, _ in probe.get_topic_names_and_types()}, 10)
+
+
+def test_nearest_body_needs_no_mask(
+    start_node: Callable[..., Program],
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+    model: Model,
+) -> None:
+    node = start_node(segmentation='nearest', range_max=4.0)
+    assert '/mask' not in node.output
+    meet_without_mask(camera, ear)
+    segmenter = make_segmenter(SegmentationSettings('nearest', range_max=4.0))
+    for count, frame in enumerate(frames[:3], 1):
+        camera.send_depth(frame)
+        assert ear.wait_for(count, 10), node.output
+    for frame in frames[:3]:
+        labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
+        expected = Estimator(model).estimate(frame.depth, labels, frame.camera)
+        assert np.isfinite(expected.positions).any()
+        assert_equal(ear.skeletons[frame.stamp], expected)
+
+
+def test_background_is_learnt_before_anybody_is_seen(
+    start_node: Callable[..., Program],
+    camera: Camera,
+    ear: Ear,
+    frames: list[Frame],
+    remote: Remote,
+) -> None:
+    node = start_node(segmentation='background', background_seconds=0.2)
+    assert node.says('learning the empty scene', 5)
+    meet_without_mask(camera, ear)
+    wall = np.full_like(frames[0].depth, 4.0)
+    empty = [frame._replace(depth=wall) for frame in frames[:10]]
+    seen = [
+        frame._replace(depth=np.where(frame.labels != NO_BODY, frame.depth, wall))
+        for frame in frames[10:12]
+    ]
+    for count, frame in enumerate([*empty, *seen], 1):
+        camera.send_depth(frame)
+        assert ear.wait_for(count, 10), node.output
+    assert node.says('the empty scene is learnt', 5)
+    bodies = [each.bodies.tolist() for each in ear.skeletons.values()]
+    assert bodies == [[]] * 10 + [[1]] * 2
+
+    assert remote.change('deactivate')
+    assert remote.change('activate')
+    assert wait_until(lambda: node.output.count('learning the empty scene') == 2, 5)
+
+
+def meet_without_mask(camera: Camera, ear: Ear) -> None:
+    publishers = (camera.depth, camera.camera_info)
+    assert wait_until(lambda: all(each.get_subscription_count() for each in publishers), 10)
+    ear.wait_for_node()
+    time.sleep(0.3)
+    assert not camera.mask.get_subscription_count()
+
+
+def test_bodies_keep_their_numbers_where_they_are_tracked(
+    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+) -> None:
+    start_node(body_ids='tracked')
+    meet(camera, ear)
+    for count, frame in enumerate(frames[:4], 1):
+        number = np.where(frame.labels != NO_BODY, 10 + count, NO_BODY)
+        camera.send(frame._replace(labels=number.astype(np.int32)))
+        assert ear.wait_for(count, 10)
+    assert [each.bodies.tolist() for each in ear.skeletons.values()] == [[11]] * 4
 
 
 def test_without_graph_the_joints_are_those_of_the_estimator_without(

@@ -36,3 +36,13 @@ def test_trouble_that_returns_later_is_logged_at_once() -> None:
     time[0] = 100.0
     reports.error('mask', 'second')
     assert [line[1] for line in log.lines] == ['first', 'second']
+
+
+def test_kinds_that_never_come_again_need_no_memory() -> None:
+    log, time = Log(), [0.0]
+    reports = Reports(log, 5.0, lambda: time[0])
+    for step in range(20000):
+        time[0] = step * 0.5
+        reports.error(f'{step} bytes', 'broken')
+    assert len(log.lines) == 20000
+    assert len(reports._last) < 1300

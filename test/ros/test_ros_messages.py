@@ -12,6 +12,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.frame import NO_BODY
 from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.data.png import write_png
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.messages import Pair, _plain, frame_of
 from lsc_pose_ros.ros.watch import TopicNames
@@ -93,6 +94,51 @@ def test_mask_numbers_and_background() -> None:
     np.testing.assert_array_equal(frame_of(pair(depth, mask), TOPICS, 0).labels, expected)
     turned = np.where(MASK == 0, 0, NO_BODY)
     np.testing.assert_array_equal(frame_of(pair(depth, mask), TOPICS, 3).labels, turned)
+
+
+@pytest.mark.parametrize('pixel', ['u1', 'u2'])
+def test_compressed_mask(pixel: str) -> None:
+    message = CompressedImage(
+        format='mono8; png compressed', data=array.array('B', write_png(MASK.astype(pixel)))
+    )
+    frame = frame_of(Pair(image(MILLIMETRES, '16UC1'), message, camera_info()), TOPICS, 0)
+    np.testing.assert_array_equal(frame.labels, np.where(MASK == 3, 3, NO_BODY))
+
+
+def test_mask_compressed_with_loss_is_refused() -> None:
+    message = CompressedImage(format='mono8; jpeg compressed', data=array.array('B', b'123'))
+    whole = Pair(image(MILLIMETRES, '16UC1'), message, camera_info())
+    with pytest.raises(InputError, match=r'/seg/mask: a mask compressed as .*only PNG'):
+        frame_of(whole, TOPICS, 0)
+
+
+class LeftHalf:
+    """A segmenter that takes the image's left half for a body."""
+
+    ready = True
+
+    def __init__(self) -> None:
+        self.stamps: list[int] = []
+
+    def learn(self, stamp: int, depth: np.ndarray) -> None:
+        assert depth.shape == (HEIGHT, WIDTH)
+        self.stamps.append(stamp)
+
+    def labels(self, depth: np.ndarray, camera: Intrinsics) -> np.ndarray:
+        assert camera == Intrinsics(20.0, 20.0, 8.0, 6.0)
+        labels = np.full(depth.shape, NO_BODY, np.int32)
+        labels[:, : WIDTH // 2] = 1
+        return labels
+
+
+def test_without_a_mask_the_segmenter_finds_the_bodies() -> None:
+    segmenter = LeftHalf()
+    whole = Pair(image(MILLIMETRES, '16UC1'), None, camera_info())
+    frame = frame_of(whole, TOPICS, 0, segmenter)
+    assert segmenter.stamps == [STAMP]
+    assert (frame.labels[:, : WIDTH // 2] == 1).all()
+    assert (frame.labels[:, WIDTH // 2 :] == NO_BODY).all()
+    assert (frame_of(whole, TOPICS, 0).labels == NO_BODY).all()
 
 
 def test_pixels_are_not_copied_out_of_the_message() -> None:

@@ -29,18 +29,34 @@ def test_camera_info_that_came_once_is_enough() -> None:
     assert told(GOOD, later) == {}
 
 
-def test_silent_topics_are_named_with_their_publishers() -> None:
-    text = told(Counters(), Counters())['silence']
-    assert '/cam/depth (1 publishers)' in text
-    assert '/cam/info (0 publishers)' in text
-    assert '/seg/mask (0 publishers)' in text
-    assert 'remap' in text
+def test_silent_topics_are_named_with_their_publishers_and_the_remedy() -> None:
+    found = told(Counters(), Counters())
+    assert set(found) == {'no depth', 'no mask', 'no camera info'}
+    text = found['no depth']
+    assert 'nothing received on /cam/depth for 5 s (1 publisher)' in text
+    assert 'look at its log' in text
+    text = found['no mask']
+    assert 'nothing received on /seg/mask for 5 s (no publishers)' in text
+    assert 'remap mask' in text
+    assert 'segmentation' in text
+    text = found['no camera info']
+    assert 'no camera info received on /cam/info (no publishers)' in text
+    assert 'remap depth/camera_info' in text
+
+
+def test_without_publishers_the_depth_topic_can_be_remapped() -> None:
+    text = complaints(Counters(), Counters(), SITUATION._replace(publishers={}))['no depth']
+    assert '(no publishers); start the camera, or remap depth/image' in text
 
 
 def test_topic_that_falls_silent_is_named() -> None:
-    text = told(GOOD, GOOD._replace(depth=300))['silence']
-    assert '/seg/mask' in text
-    assert '/cam/depth' not in text
+    assert set(told(GOOD, GOOD._replace(depth=300))) == {'no mask'}
+
+
+def test_no_masks_are_missed_where_none_are_needed() -> None:
+    situation = SITUATION._replace(topics=TopicNames('/cam/depth', '/cam/info'))
+    assert complaints(Counters(), GOOD._replace(masks=0), situation) == {}
+    assert situation.topics.listened == ('/cam/depth', '/cam/info')
 
 
 def test_stamps_that_never_agree() -> None:
@@ -53,7 +69,32 @@ def test_lost_images_and_the_remedy() -> None:
     text = told(GOOD, GOOD._replace(depth=160, masks=300, pairs=160, lost=140))['loss']
     assert 'lost 140 images' in text
     assert 'FASTRTPS_DEFAULT_PROFILES_FILE=/share/fastdds_profile.xml' in text
-    assert 'reliable' in text
+    assert 'reliably' in text
+
+
+def test_missing_stamps_and_the_remedy() -> None:
+    text = told(Counters(), GOOD._replace(missing=50))['loss']
+    assert 'by the stamps of /cam/depth, 50 of 200 depth images are missing' in text
+    assert 'FASTRTPS_DEFAULT_PROFILES_FILE=/share/fastdds_profile.xml' in text
+    assert 'middleware' not in text
+
+
+@pytest.mark.parametrize('name', ['missing', 'lost', 'duplicates', 'late'])
+def test_little_trouble_is_no_complaint(name: str) -> None:
+    assert told(Counters(), GOOD._replace(**{name: 5})) == {}
+
+
+@pytest.mark.parametrize('name', ['duplicates', 'late'])
+def test_disorder_is_told_with_the_topics(name: str) -> None:
+    text = told(Counters(), GOOD._replace(**{name: 60}))['disorder']
+    assert '/cam/depth and /seg/mask' in text
+    assert '60' in text
+    assert 'one publisher' in text
+
+
+def test_depth_images_without_a_mask_are_ordinary() -> None:
+    now = GOOD._replace(masks=50, pairs=50, unmatched_depth=100)
+    assert told(Counters(), now) == {}
 
 
 def test_stamps_that_went_back() -> None:

@@ -50,9 +50,9 @@ def _two_bins(place: float, bins: int) -> tuple[int, int, float]:
 
 @kernel
 def describe(
-    points: NDArray[np.float32], radius: float, inner_radius: float
+    points: NDArray[np.float32], centres: NDArray[np.int64], radius: float, inner_radius: float
 ) -> NDArray[np.float32]:
-    """Return the 3DLSC histogram of each point, shape (N, 360), rows summing to 1 (eq. 3, 4).
+    """Return 3DLSC histograms, shape (Q, 360), whose rows sum to 1 (eq. 3, 4).
 
     The bins are radius x azimuth x zenith. Every other point within `radius` adds the weight 1,
     split over the two nearest bin centres of each dimension: the logarithm of the distance, the
@@ -60,16 +60,16 @@ def describe(
 
     Args:
         points: metres, shape (N, 3).
+        centres: which of them are described, shape (Q,).
         radius: how far a descriptor reaches, metres.
         inner_radius: the inner limit of the first radius bin, as a share of `radius`; what is
             nearer counts there.
     """
-    count = points.shape[0]
-    histograms = np.zeros((count, DESCRIPTOR_SIZE), np.float32)
+    histograms = np.zeros((centres.shape[0], DESCRIPTOR_SIZE), np.float32)
     per_log = RADIUS_BINS / -math.log(inner_radius)
-    for i in range(count):
+    for row, i in enumerate(centres):
         total = 0
-        for j in range(count):
+        for j in range(points.shape[0]):
             dx = points[j, 0] - points[i, 0]
             dy = points[j, 1] - points[i, 1]
             dz = points[j, 2] - points[i, 2]
@@ -79,14 +79,14 @@ def describe(
                 continue
             distance = math.sqrt(squared)
             _add(
-                histograms[i],
+                histograms[row],
                 RADIUS_BINS + math.log(distance / radius) * per_log - 0.5,
                 math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi)) - 0.5,
                 math.acos(min(1.0, max(-1.0, dz / distance))) * (ZENITH_BINS / math.pi) - 0.5,
             )
             total += 1
         if total:
-            histograms[i] /= np.float32(total)
+            histograms[row] /= np.float32(total)
     return histograms
 
 

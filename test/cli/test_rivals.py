@@ -1,0 +1,96 @@
+"""The paper's rivals from training to pictures: `lsc_pose train --feature --sample`."""
+
+import json
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.core.features import feature_size
+from lsc_pose_ros.core.settings import FEATURES, SAMPLES
+from lsc_pose_ros.data.model_file import describe_model, load_model
+from lsc_pose_ros.data.recording import RecordingWriter
+
+SMALL = ['--points', '100', '--query-points', '60', '--trees', '2', '--depth', '9']
+JOINTS = ['--joints', 'head', 'neck', 'l_knee', '--seed', '3']
+KINDS = [('2dsc', 'silhouette'), ('2dsc', 'body'), ('dcf', 'silhouette'), ('dcf', 'body'),
+         ('3dlsc', 'body')]  # fmt: skip
+
+
+@pytest.fixture(scope='module')
+def recordings(people, tmp_path_factory):
+    """One to learn from, and one of the same people to be tested on."""
+    paths = []
+    for name, frames in (('learn', people[:120]), ('test', people[120:140])):
+        paths.append(str(tmp_path_factory.mktemp('rivals') / f'{name}.mcap'))
+        with RecordingWriter(paths[-1]) as writer:
+            for frame in frames:
+                writer.write_frame(frame)
+    return paths
+
+
+@pytest.fixture(scope='module', params=KINDS, ids='-'.join)
+def trained(request, recordings, tmp_path_factory):
+    """A model of each kind: its feature, its sample, its file."""
+    feature, sample = request.param
+    path = str(tmp_path_factory.mktemp('trained') / 'rival.npz')
+    words = ['train', recordings[0], '-o', path, *SMALL, *JOINTS]
+    assert main([*words, '--feature', feature, '--sample', sample]) == 0
+    return feature, sample, path
+
+
+def test_a_model_says_what_it_sees(trained):
+    feature, sample, path = trained
+    model = load_model(path)
+    settings = model.settings
+    assert (settings.feature, settings.sample, settings.offset_seed) == (feature, sample, 3)
+    assert describe_model(model)['feature'] == feature
+    assert describe_model(model)['sample'] == sample
+    used = np.unique(model.forest.feature[model.forest.feature >= 0])
+    assert used.max() < feature_size(settings)
+    assert len(used) > 25
+
+
+@pytest.mark.parametrize('graph', [True, False])
+def test_every_rival_finds_the_easy_joints(graph, trained, recordings, tmp_path):
+    feature, sample, path = trained
+    figures = tmp_path / 'figures.json'
+    words = ['evaluate', path, recordings[1], '--tolerance', '0.2', '--json', str(figures)]
+    assert main([*words, *([] if graph else ['--no-graph'])]) == 0
+    results = json.loads(figures.read_text())
+    assert (results['feature'], results['sample']) == (feature, sample)
+    assert results['map'] > 0.8
+    assert results['mean_error_m'] < 0.15
+
+
+def test_every_rival_can_be_timed(trained, recordings, tmp_path, capsys):
+    feature, _, path = trained
+    figures = tmp_path / 'figures.json'
+    words = ['bench', recordings[1], '--model', path, '--frames', '2', '--json', str(figures)]
+    assert main(words) == 0
+    capsys.readouterr()
+    stages = json.loads(figures.read_text())['stages']
+    has_plain_kernel = stages['descriptor']['ratio_to_plain'] is not None
+    assert has_plain_kernel is (feature == '3dlsc')
+    assert stages['whole']['ratio_to_plain'] > 0
+
+
+@pytest.mark.parametrize('trained', [('dcf', 'body')], indirect=True, ids='-'.join)
+def test_a_rival_is_drawn(trained, recordings, tmp_path):
+    words = ['view', recordings[1], '--model', trained[2], '--stages', '3']
+    assert main([*words, '-o', str(tmp_path / 'stages')]) == 0
+    assert len(list((tmp_path / 'stages').glob('*.png'))) == 9
+
+
+@pytest.mark.parametrize(
+    ('words', 'known'),
+    [(['--feature', 'hog'], FEATURES), (['--sample', 'background'], SAMPLES)],
+)
+def test_an_unknown_feature_or_sample_names_those_there_are(
+    words, known, recordings, tmp_path, capsys
+):
+    with pytest.raises(SystemExit) as ended:
+        main(['train', recordings[0], '-o', str(tmp_path / 'me.npz'), *words])
+    assert ended.value.code == 2
+    error = capsys.readouterr().err
+    assert all(name in error for name in known)

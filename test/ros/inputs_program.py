@@ -1,0 +1,64 @@
+"""The node's subscriptions alone, for the tests: says what it receives.
+
+inputs_program.py [parameter=value ...] --ros-args ...
+
+Each pair becomes a line `pair DEPTH_STAMP MASK_STAMP`, None without a mask. Once a second, which
+stands for the node's five, it says its counters, and complains as the node does.
+"""
+
+import contextlib
+import sys
+
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+
+from lsc_pose_ros.ros.inputs import Inputs
+from lsc_pose_ros.ros.messages import Pair, nanoseconds
+from lsc_pose_ros.ros.parameters import DECLARATIONS, Parameters
+from lsc_pose_ros.ros.reports import Reports
+from lsc_pose_ros.ros.watch import Situation, complaints
+
+
+def parameters(words: list[str]) -> Parameters:
+    """The defaults, but for `words`."""
+    values = {name: declaration.default for name, declaration in DECLARATIONS.items()}
+    for word in words:
+        name, _, value = word.partition('=')
+        values[name] = type(values[name])(value)
+    return Parameters(**values)
+
+
+def say(*words: object) -> None:
+    print(*words, flush=True)  # noqa: T201
+
+
+def deliver(pair: Pair) -> None:
+    mask = None if pair.mask is None else nanoseconds(pair.mask.header.stamp)
+    say('pair', nanoseconds(pair.depth.header.stamp), mask)
+
+
+end = sys.argv.index('--ros-args') if '--ros-args' in sys.argv else len(sys.argv)
+rclpy.init(args=sys.argv[end:])
+node = Node('pose_node')
+reports = Reports(node.get_logger())
+inputs = Inputs(node, parameters(sys.argv[1:end]), reports, deliver)
+seen = inputs.counters(0)
+say('listening to', *inputs.topics.listened)
+
+
+def watch() -> None:
+    global seen
+    before, seen = seen, inputs.counters(0)
+    say('counters', seen)
+    situation = Situation(inputs.topics, inputs.publishers(), '/share/fastdds_profile.xml', 1.0)
+    for kind, text in complaints(before, seen, situation).items():
+        reports.warning(kind, text)
+
+
+node.create_timer(1.0, watch)
+with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+    rclpy.spin(node)
+inputs.close()
+say('closed')
+rclpy.try_shutdown()

@@ -1,0 +1,108 @@
+"""A node with `Outputs` and `Diagnostics` alone, which plays the part of the rest.
+
+outputs_program.py OPTIONS, in JSON:
+    publish_tf, minimum_confidence, marker_lifetime: the parameters.
+    scenes: what is published, each the numbers of the bodies that are seen.
+    latency: how old the stamps are, seconds.
+    failures: how many frames fail after that.
+    closes: whether the publishers are closed at the end.
+    topics: those that must be subscribed to before it begins.
+"""
+
+import json
+import sys
+import time
+from types import SimpleNamespace
+
+import numpy as np
+import rclpy
+from rclpy.executors import ExternalShutdownException
+from rclpy.node import Node
+
+from lsc_pose_ros.core.joints import numbers_of
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.diagnostics import Diagnostics
+from lsc_pose_ros.ros.outputs import Outputs
+from lsc_pose_ros.ros.watch import Counters
+
+FRAME_ID = 'camera_optical'
+EDGES = np.array([[1, 0], [1, 2]], np.int32)
+PERIOD = 1 / 30
+
+
+def skeletons(bodies: list[int]) -> Skeletons:
+    """Everybody has a head of little confidence, a neck, and both hips."""
+    joints = numbers_of(['head', 'neck', 'l_hip', 'r_hip'])
+    pose = [(0.1, -0.7, 3.0), (0.0, -0.5, 3.0), (0.12, 0.0, 3.0), (-0.12, 0.0, 3.0)]
+    count = len(bodies)
+    return Skeletons(
+        np.array(bodies, np.uint16),
+        joints,
+        np.tile(np.array(pose, np.float32), (count, 1, 1)),
+        np.tile(np.array([0.2, 0.9, 0.9, 0.9], np.float32), (count, 1)),
+    )
+
+
+def tell(text: str) -> None:
+    sys.stdout.write(f'{text}\n')
+    sys.stdout.flush()
+
+
+def main() -> int:
+    options = json.loads(sys.argv.pop(1))
+    rclpy.init(args=sys.argv)
+    node = Node('program')
+    defaults = {'publish_tf': False, 'minimum_confidence': 0.0, 'marker_lifetime': 0.5}
+    parameters = SimpleNamespace(**{name: options.get(name, defaults[name]) for name in defaults})
+    try:
+        outputs = Outputs(node, parameters, EDGES)
+    except InputError as error:
+        sys.stdout.write(f'{error}\n')
+        return 2
+    outputs.rehearse(skeletons([1]))
+    outputs.publish(0, FRAME_ID, skeletons([1]))  # nobody may hear of it
+    for _ in range(2):  # as after deactivation
+        outputs.open()
+        outputs.close()
+    outputs.open()
+    counted = {'depth': 0, 'pairs': 0}
+    diagnostics = Diagnostics(node, lambda: Counters(**counted))
+    tell('open')
+    while not all(node.count_subscribers(topic) for topic in options['topics']):
+        rclpy.spin_once(node, timeout_sec=0.02)
+    time.sleep(0.3)
+
+    def answer(scene: list[int]) -> None:
+        stamp = node.get_clock().now().nanoseconds - round(options.get('latency', 0) * 1e9)
+        counted['depth'] += 1
+        counted['pairs'] += 1
+        with diagnostics.measuring.stage('estimate'):
+            time.sleep(0.005)
+        outputs.publish(stamp, FRAME_ID, skeletons(scene))
+        diagnostics.answered(stamp, len(scene))
+
+    def step() -> None:
+        if options['scenes']:
+            answer(options['scenes'].pop(0))
+        elif options.get('failures', 0) > 0:
+            options['failures'] -= 1
+            counted['depth'] += 1
+            diagnostics.measuring.failed()
+        elif options.get('closes'):
+            outputs.close()
+            diagnostics.close()
+            tell('closed')
+            options['closes'] = False
+
+    node.create_timer(PERIOD, step)
+    try:
+        rclpy.spin(node)
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        rclpy.try_shutdown()
+    return 0
+
+
+sys.exit(main())

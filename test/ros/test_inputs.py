@@ -1,0 +1,296 @@
+"""The node's subscriptions, in a process of their own, with publishers of every kind."""
+
+import array
+import re
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
+
+from live_ros import Program, wait_until
+from rclpy.node import Node
+from rclpy.qos import (
+    QoSDurabilityPolicy,
+    QoSProfile,
+    QoSReliabilityPolicy,
+    qos_profile_sensor_data,
+)
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+
+from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.data.png import write_png
+from lsc_pose_ros.ros.messages import NANOSECONDS
+from lsc_pose_ros.ros.watch import Counters
+
+PROGRAM = Path(__file__).parent / 'inputs_program.py'
+RELIABLE = QoSProfile(depth=10)
+LATCHED = QoSProfile(depth=1, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+FRAME = 33_333_333
+START = 1_700_000_000_000_000_000
+
+
+def stamped(message: Image | CompressedImage | CameraInfo, stamp: int) -> object:
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(stamp, NANOSECONDS)
+    return message
+
+
+def image(stamp: int, encoding: str = '16UC1') -> Image:
+    size = 1 if encoding == 'mono8' else 2
+    data = array.array('B', bytes(4 * 3 * size))
+    return stamped(Image(height=3, width=4, encoding=encoding, step=4 * size, data=data), stamp)
+
+
+def pairs_of(program: Program) -> list[tuple[int, int | None]]:
+    found = re.findall(r'^pair (\d+) (\d+|None)$', program.output, re.MULTILINE)
+    return [(int(depth), None if mask == 'None' else int(mask)) for depth, mask in found]
+
+
+def counters_of(program: Program) -> Counters:
+    lines = re.findall(r'^counters Counters\((.*)\)$', program.output, re.MULTILINE)
+    return Counters(**{n: int(v) for n, v in re.findall(r'(\w+)=(\d+)', lines[-1])})
+
+
+def subscription_of(probe: Node, topic: str) -> QoSProfile | None:
+    found = [
+        each.qos_profile
+        for each in probe.get_subscriptions_info_by_topic(topic)
+        if each.node_name == 'pose_node'
+    ]
+    return found[0] if len(found) == 1 else None
+
+
+def is_reliable(probe: Node, topic: str, *, wanted: bool) -> bool:
+    kinds = {True: QoSReliabilityPolicy.RELIABLE, False: QoSReliabilityPolicy.BEST_EFFORT}
+
+    def right() -> bool:
+        profile = subscription_of(probe, topic)
+        return profile is not None and profile.reliability == kinds[wanted]
+
+    return wait_until(right, 10)
+
+
+@pytest.fixture
+def listen(start: Callable[..., Program]) -> Callable[..., Program]:
+    """Start the program with parameters, and wait until it listens."""
+
+    def begin(*words: str) -> Program:
+        program = start(PROGRAM, *words)
+        assert program.says('listening to'), program.output
+        return program
+
+    return begin
+
+
+class Senders:
+    """Publishers of depth, camera info and masks."""
+
+    def __init__(self, probe: Node, qos: QoSProfile = RELIABLE, *, mask: bool = True) -> None:
+        self.depth = probe.create_publisher(Image, 'depth/image', qos)
+        self.info = probe.create_publisher(CameraInfo, 'depth/camera_info', qos)
+        self.mask = probe.create_publisher(Image, 'mask', qos) if mask else None
+        self.all = list(filter(None, (self.depth, self.info, self.mask)))
+
+    def meet(self) -> None:
+        assert wait_until(lambda: all(each.get_subscription_count() for each in self.all), 20)
+        time.sleep(0.3)
+        self.info.publish(CameraInfo())
+
+
+@pytest.mark.parametrize(('qos', 'reliable'), [(RELIABLE, True), (qos_profile_sensor_data, False)])
+def test_subscription_is_as_the_publishers_are(
+    *, listen: Callable[..., Program], probe: Node, qos: QoSProfile, reliable: bool
+) -> None:
+    program = listen()
+    senders = Senders(probe, qos)
+    senders.meet()
+    for topic in ('/depth/image', '/depth/camera_info', '/mask'):
+        assert is_reliable(probe, topic, wanted=reliable), topic
+    for number in range(5):
+        senders.depth.publish(image(START + number * FRAME))
+        senders.mask.publish(image(START + number * FRAME, 'mono8'))
+        time.sleep(0.05)
+    expected = [(START + number * FRAME,) * 2 for number in range(5)]
+    assert wait_until(lambda: pairs_of(program) == expected, 10), program.output
+    assert 'incompatible' not in program.output
+    assert 'ERROR' not in program.output
+
+
+def test_subscription_follows_when_the_publishers_change(
+    listen: Callable[..., Program], probe: Node
+) -> None:
+    program = listen('segmentation=nearest')
+    reliable = Senders(probe, mask=False)
+    reliable.meet()
+    assert is_reliable(probe, '/depth/image', wanted=True)
+    other = probe.create_publisher(Image, 'depth/image', qos_profile_sensor_data)
+    assert is_reliable(probe, '/depth/image', wanted=False)
+    assert wait_until(other.get_subscription_count)
+    time.sleep(0.3)
+    other.publish(image(START))
+    assert program.says(f'pair {START} None', 10), program.output
+    reliable.depth.publish(image(START + FRAME))
+    assert program.says(f'pair {START + FRAME} None', 10), program.output
+    probe.destroy_publisher(other)
+    assert is_reliable(probe, '/depth/image', wanted=True)
+    assert wait_until(reliable.depth.get_subscription_count)
+    time.sleep(0.3)
+    reliable.depth.publish(image(START + 2 * FRAME))
+    assert program.says(f'pair {START + 2 * FRAME} None', 10), program.output
+    assert 'incompatible' not in program.output
+
+
+def test_camera_info_that_was_published_once_before_is_received(
+    listen: Callable[..., Program], probe: Node
+) -> None:
+    info = probe.create_publisher(CameraInfo, 'depth/camera_info', LATCHED)
+    info.publish(CameraInfo())
+    program = listen('segmentation=nearest')
+    depth = probe.create_publisher(Image, 'depth/image', 10)
+    assert wait_until(depth.get_subscription_count)
+    time.sleep(0.3)
+    depth.publish(image(START))
+    assert program.says(f'pair {START} None', 10), program.output
+
+
+@pytest.mark.parametrize('reliability', ['reliable', 'best_effort'])
+def test_reliability_can_be_set(
+    listen: Callable[..., Program], probe: Node, reliability: str
+) -> None:
+    listen(f'reliability={reliability}')
+    for topic in ('/depth/image', '/depth/camera_info', '/mask'):
+        assert is_reliable(probe, topic, wanted=reliability == 'reliable'), topic
+
+
+def test_incompatible_publisher_is_named_with_the_remedy(
+    listen: Callable[..., Program], probe: Node
+) -> None:
+    program = listen('reliability=reliable')
+    probe.create_publisher(Image, 'mask', qos_profile_sensor_data)
+    assert program.says('/mask: a publisher offers an incompatible RELIABILITY', 10)
+    assert 'set the parameter reliability to auto' in program.output
+
+
+@pytest.mark.parametrize(
+    ('topic', 'parameter'), [('depth/image', 'depth_transport'), ('mask', 'mask_transport')]
+)
+def test_publisher_of_another_type_is_named_with_the_remedy(
+    listen: Callable[..., Program], probe: Node, topic: str, parameter: str
+) -> None:
+    program = listen()
+    probe.create_publisher(CompressedImage, topic, 10)
+    assert program.says(f'/{topic}: a publisher sends sensor_msgs/msg/CompressedImage', 10)
+    assert f'set the parameter {parameter}' in program.output
+    time.sleep(1)
+    assert program.output.count('a publisher sends') == 1
+
+
+def test_silence_is_told_topic_by_topic(listen: Callable[..., Program], probe: Node) -> None:
+    program = listen()
+    probe.create_publisher(Image, 'depth/image', 10)
+    assert program.says('nothing received on /depth/image for 1 s (', 10)
+    assert program.says('nothing received on /mask for 1 s (no publishers)', 10)
+    assert program.says('no camera info received on /depth/camera_info (no publishers)', 10)
+    assert '[WARN]' in program.output
+
+
+def test_compressed_images_come_beside_their_remapped_topics(
+    listen: Callable[..., Program], probe: Node
+) -> None:
+    program = listen(
+        *('depth_transport=compressedDepth', 'mask_transport=compressed', '--ros-args'),
+        *('-r', 'depth/image:=/kinect/depth', '-r', '__ns:=/robot'),
+    )
+    names = '/kinect/depth/compressedDepth /robot/depth/camera_info /robot/mask/compressed'
+    assert f'listening to {names}' in program.output
+    depth, info, mask = (
+        probe.create_publisher(kind, name, 10)
+        for kind, name in zip(
+            (CompressedImage, CameraInfo, CompressedImage), names.split(), strict=True
+        )
+    )
+    for each in (depth, info, mask):
+        assert wait_until(each.get_subscription_count, 20)
+    time.sleep(0.3)
+    info.publish(CameraInfo())
+    form, data = encode_compressed_depth(np.ones((3, 4), np.uint16))
+    depth.publish(stamped(CompressedImage(format=form, data=array.array('B', data)), START))
+    png = array.array('B', write_png(np.ones((3, 4), np.uint8)))
+    mask.publish(stamped(CompressedImage(format='mono8; png compressed', data=png), START))
+    assert program.says(f'pair {START} {START}', 10), program.output
+
+
+def test_late_double_and_disordered_images_are_counted_and_told(
+    listen: Callable[..., Program], probe: Node
+) -> None:
+    program = listen()
+    senders = Senders(probe)
+    senders.meet()
+    stamps = [START + number * FRAME for number in range(12)]
+    for stamp in stamps:
+        senders.depth.publish(image(stamp))
+        time.sleep(0.02)
+    for number in (1, 0, 3, 3, 2, 5, 4, 7, 6, 9, 8, 11):
+        senders.mask.publish(image(stamps[number], 'mono8'))
+        time.sleep(0.02)
+    senders.depth.publish(image(stamps[2]))
+    odd = [(stamp, stamp) for stamp in stamps[1::2]]
+    assert wait_until(lambda: pairs_of(program) == odd, 10), program.output
+    assert wait_until(lambda: 'late=6' in program.output, 10), program.output
+    counters = counters_of(program)
+    assert counters._replace(lost=0, missing=0) == Counters(
+        depth=13,
+        masks=12,
+        camera_infos=1,
+        pairs=6,
+        unmatched_depth=6,
+        duplicates=1,
+        late=6,
+        out_of_order=6,
+    )
+    assert program.says('came after newer ones; let one publisher send each topic', 10)
+
+
+def test_near_stamps_pair_within_the_slop(listen: Callable[..., Program], probe: Node) -> None:
+    program = listen('sync_slop=0.005')
+    senders = Senders(probe)
+    senders.meet()
+    for number in range(3):
+        senders.depth.publish(image(START + number * FRAME))
+        senders.mask.publish(image(START + number * FRAME + 4_000_000, 'mono8'))
+    senders.mask.publish(image(START + 3 * FRAME + 6_000_000, 'mono8'))
+    senders.depth.publish(image(START + 3 * FRAME))
+    assert program.says(f'pair {START + 2 * FRAME} ', 10), program.output
+    time.sleep(0.5)
+    assert pairs_of(program) == [
+        (START + number * FRAME, START + number * FRAME + 4_000_000) for number in range(3)
+    ]
+
+
+def test_missing_images_are_told_with_the_profile(
+    listen: Callable[..., Program], probe: Node
+) -> None:
+    program = listen('segmentation=background')
+    senders = Senders(probe, qos_profile_sensor_data, mask=False)
+    senders.meet()
+    random = np.random.default_rng(0)
+    for number in np.flatnonzero(random.random(400) < 0.5):
+        senders.depth.publish(image(START + int(number) * FRAME))
+        time.sleep(0.01)
+    assert program.says('by the stamps of /depth/image', 10), program.output
+    assert 'FASTRTPS_DEFAULT_PROFILES_FILE=/share/fastdds_profile.xml' in program.output
+    assert wait_until(lambda: counters_of(program).missing > 100, 5)
+
+
+def test_closing_ends_at_once_and_quietly(listen: Callable[..., Program], probe: Node) -> None:
+    program = listen()
+    Senders(probe).meet()
+    begin = time.monotonic()
+    assert program.ends(signal.SIGTERM, 10) == 0
+    assert time.monotonic() - begin < 2
+    assert 'closed' in program.output
+    assert 'Traceback' not in program.output

@@ -1,0 +1,201 @@
+"""What the node publishes, over the wire from a program of its own."""
+
+import json
+import os
+from collections.abc import Callable
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
+
+from live_ros import TIMEOUT, Program, wait_until
+from rclpy.node import Node
+from rclpy.serialization import deserialize_message
+from rosbags.typesys import Stores, get_typestore
+from visualization_msgs.msg import Marker, MarkerArray
+
+from lsc_pose_ros.data.recording.messages import read_skeletons
+from lsc_pose_ros.ros.listener import Listener, open_listener
+
+PROGRAM = Path(__file__).parent / 'outputs_program.py'
+SKELETONS = '/program/skeletons'
+MARKERS = '/program/joint_markers'
+DIAGNOSTICS = '/diagnostics'
+TOPICS = {
+    SKELETONS: 'sensor_msgs/msg/PointCloud2',
+    MARKERS: 'visualization_msgs/msg/MarkerArray',
+}
+
+
+class Heard:
+    """What a listener has heard of one topic."""
+
+    def __init__(self, listener: Listener) -> None:
+        self._listener = listener
+
+    def of(self, topic: str) -> list[bytes]:
+        return [each.data for each in list(self._listener.received) if each.topic == topic]
+
+    def wait_for(self, topic: str, count: int) -> bool:
+        return wait_until(lambda: len(self.of(topic)) >= count)
+
+
+Run = Callable[..., AbstractContextManager[tuple[Program, Heard]]]
+
+
+@pytest.fixture
+def begin(start: Callable[..., Program], corner: dict[str, str]) -> Callable[..., Program]:
+    """Start the program with options; packages in a folder take precedence."""
+
+    def start_program(packages: Path | None = None, **options: Any) -> Program:
+        path = os.pathsep.join(filter(None, (str(packages or ''), corner['PYTHONPATH'])))
+        return start(PROGRAM, json.dumps({'topics': [], **options}), PYTHONPATH=path)
+
+    return start_program
+
+
+@pytest.fixture
+def run(begin: Callable[..., Program]) -> Run:
+    """Run the program while its topics are listened to."""
+
+    @contextmanager
+    def running(topics: dict[str, str], packages: Path | None = None, **options: Any):
+        with open_listener(topics) as listener:
+            program = begin(packages, topics=list(topics), **options)
+            assert program.says('open'), program.output
+            yield program, Heard(listener)
+
+    return running
+
+
+def missing(package: str, folder: Path) -> Path:
+    """A folder in which a package cannot be imported."""
+    (folder / package).mkdir()
+    (folder / package / '__init__.py').write_text("raise ImportError('not here')\n")
+    return folder
+
+
+def test_skeletons_and_markers_until_closed(run: Run, probe: Node) -> None:
+    scenes = [[1, 2], [2], [], [7]]
+    with run(TOPICS, scenes=scenes, marker_lifetime=1.5, minimum_confidence=0.5, closes=True) as (
+        program,
+        heard,
+    ):
+        assert heard.wait_for(MARKERS, len(scenes))
+        assert heard.wait_for(SKELETONS, len(scenes))
+        assert program.says('closed')
+        assert wait_until(
+            lambda: not any(probe.count_publishers(each) for each in (*TOPICS, DIAGNOSTICS))
+        )
+    answers = [read_skeletons(each) for each in heard.of(SKELETONS)]
+    assert [each.skeletons.bodies.tolist() for each in answers] == scenes
+    messages = [deserialize_message(each, MarkerArray).markers for each in heard.of(MARKERS)]
+    told = [{(each.id, each.action) for each in markers} for markers in messages]
+    assert told == [
+        {(1, Marker.ADD), (2, Marker.ADD)},
+        {(1, Marker.DELETE), (2, Marker.ADD)},
+        {(2, Marker.DELETE)},
+        {(7, Marker.ADD)},
+    ]
+    for marker in messages[0]:
+        assert marker.header.frame_id == 'camera_optical'
+        assert (marker.lifetime.sec, marker.lifetime.nanosec) == (1, 500_000_000)
+        assert len(marker.points) == (3 if marker.type == Marker.SPHERE_LIST else 2)
+
+
+def test_transforms_need_tf2_msgs(begin: Callable[..., Program], tmp_path: Path) -> None:
+    program = begin(missing('tf2_msgs', tmp_path), publish_tf=True, scenes=[])
+    assert program.ends() == 2
+    assert 'parameter publish_tf' in program.output
+    assert 'tf2_msgs' in program.output
+    assert 'Traceback' not in program.output
+
+
+def test_transforms(run: Run, tmp_path: Path) -> None:
+    # Serialised messages pass whatever the class of their topic is, so any other stands in.
+    stand_in = 'from geometry_msgs.msg import PolygonStamped as TFMessage\n'
+    (tmp_path / 'tf2_msgs' / 'msg').mkdir(parents=True)
+    (tmp_path / 'tf2_msgs' / '__init__.py').touch()
+    (tmp_path / 'tf2_msgs' / 'msg' / '__init__.py').write_text(stand_in)
+    topics = {**TOPICS, '/tf': 'geometry_msgs/msg/PolygonStamped'}
+    with run(
+        topics,
+        tmp_path,
+        publish_tf=True,
+        minimum_confidence=0.5,
+        scenes=[[3, 12], [], [12]],
+    ) as (_, heard):
+        assert heard.wait_for('/tf', 2)
+        assert heard.wait_for(SKELETONS, 3)
+    store = get_typestore(Stores.ROS2_JAZZY)
+    messages = [store.deserialize_cdr(each, 'tf2_msgs/msg/TFMessage') for each in heard.of('/tf')]
+    stamps = [read_skeletons(each).stamp for each in heard.of(SKELETONS)]
+    assert len(messages) == 2
+    for message, stamp, bodies in zip(
+        messages, (stamps[0], stamps[2]), ((3, 12), (12,)), strict=True
+    ):
+        assert [each.child_frame_id for each in message.transforms] == [
+            f'{name}_{body}' for body in bodies for name in ('body', 'neck', 'l_hip', 'r_hip')
+        ]
+        assert {
+            each.header.stamp.sec * 10**9 + each.header.stamp.nanosec
+            for each in message.transforms
+        } == {stamp}
+        body, neck = message.transforms[:2]
+        assert body.header.frame_id == 'camera_optical'
+        assert neck.header.frame_id == body.child_frame_id
+        assert neck.transform.translation.z == pytest.approx(0.5)
+
+
+def test_diagnostics(run: Run) -> None:
+    messages = pytest.importorskip('diagnostic_msgs.msg')
+    with run(
+        {DIAGNOSTICS: 'diagnostic_msgs/msg/DiagnosticArray'},
+        scenes=[[1, 2]] * 70,
+        latency=0.02,
+        failures=3,
+    ) as (_, heard):
+
+        def statuses() -> list[Any]:
+            arrays = [
+                deserialize_message(each, messages.DiagnosticArray)
+                for each in heard.of(DIAGNOSTICS)
+            ]
+            assert all(len(array.status) == 1 for array in arrays)
+            assert all(array.header.stamp.sec > 0 for array in arrays)
+            return [array.status[0] for array in arrays]
+
+        stale = messages.DiagnosticStatus.STALE
+        assert wait_until(
+            lambda: [each.level for each in statuses()[-1:]] == [stale] and len(statuses()) > 3,
+            TIMEOUT,
+        )
+    found = statuses()
+    assert {each.name for each in found} == {'program: pose estimation'}
+    busy = [
+        each
+        for each in found
+        if each.level == messages.DiagnosticStatus.OK and each.message == 'answering'
+    ]
+    assert busy
+    values = {each.key: each.value for each in busy[-1].values}
+    assert 20 < float(values['answers out (Hz)']) < 40
+    assert 20 < float(values['frames in (Hz)']) < 40
+    assert values['bodies'] == '2'
+    assert 20 <= float(values['latency p50 (ms)']) <= float(values['latency p95 (ms)']) < 500
+    assert 5 <= float(values['estimate p50 (ms)']) < 50
+    errors = [each for each in found if each.level == messages.DiagnosticStatus.ERROR]
+    assert sum(int(each.message.split()[0]) for each in errors) == 3
+    assert {each.key: each.value for each in found[-1].values}['depth'] == '73'
+
+
+def test_without_diagnostic_msgs_the_rest_works(run: Run, tmp_path: Path) -> None:
+    packages = missing('diagnostic_msgs', tmp_path)
+    with run(TOPICS, packages, scenes=[[1]], closes=True) as (program, heard):
+        assert heard.wait_for(SKELETONS, 1)
+        assert program.says('closed')
+    assert program.output.count('diagnostic_msgs is not installed') == 1
+    assert 'Traceback' not in program.output
