@@ -71,6 +71,7 @@ setup(
         (f'share/{PACKAGE}', ['package.xml']),
         *shared_files('config'),
         *shared_files('launch'),
+        *shared_files('bodies'),
         *shared_files('models'),
     ],
     install_requires=REQUIREMENTS,

@@ -26,6 +26,7 @@ from lsc_pose_ros.core.segmentation import (
 from lsc_pose_ros.core.settings import FEATURES, Settings
 from lsc_pose_ros.core.warm_up import warm_up, warm_up_segmenter
 from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.learning.criterion import ENTROPY, SPREAD, contributions, offset_moments
 from lsc_pose_ros.learning.growth import BRANCH_SAMPLES, GrowthSettings, grow_tree
 from lsc_pose_ros.learning.train import TrainingSettings, train
 
@@ -64,16 +65,25 @@ def _train() -> Model:
     """
     training = TrainingSettings(numbers_of(DEFAULT_JOINTS), trees=1)
     settings = SyntheticSettings(frames=2, people=2)
+    choices = [(feature, SPREAD) for feature in FEATURES] + [(FEATURES[0], ENTROPY)]
     model, *_ = (
         train(
-            synthetic_frames(settings), training._replace(settings=Settings(feature=feature)), {}
+            synthetic_frames(settings),
+            training._replace(settings=Settings(feature=feature), criterion=criterion),
+            {},
         )
-        for feature in FEATURES
+        for feature, criterion in choices
     )
     rng = np.random.default_rng(0)
     levels = rng.integers(0, 256, (DESCRIPTOR_SIZE, BRANCH_SAMPLES), np.uint8)
-    weights = np.ones((BRANCH_SAMPLES, len(training.joints)), np.float32)
-    grow_tree(levels, weights, GrowthSettings(depth=1), rng)
+    person = np.zeros(BRANCH_SAMPLES, np.int32)
+    nowhere = (
+        rng.random((BRANCH_SAMPLES, 3), np.float32),
+        person,
+        np.zeros((1, 1, 3), np.float32),
+    )
+    for evidence in (contributions(*nowhere), offset_moments(*nowhere, 1.0)):
+        grow_tree(levels, evidence, GrowthSettings(depth=1), rng)
     return model
 
 

@@ -86,7 +86,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
     if installed['setuptools'] < (70, 1) and not installed['wheel']:
         pytest.skip('setuptools before 70.1 makes wheels only with the package wheel')
     source = tmp_path_factory.mktemp('source')
-    for name in ('lsc_pose_ros', 'resource', 'config', 'launch', 'models'):
+    for name in ('lsc_pose_ros', 'resource', 'config', 'launch', 'bodies', 'models'):
         if (ROOT / name).is_dir():
             ignore = shutil.ignore_patterns('__pycache__')
             shutil.copytree(ROOT / name, source / name, ignore=ignore)
@@ -149,7 +149,7 @@ def test_the_wheel_holds_every_module(wheel: zipfile.ZipFile) -> None:
 def test_the_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile) -> None:
     expected = {'share/ament_index/resource_index/packages/lsc_pose_ros'}
     expected.add('share/lsc_pose_ros/package.xml')
-    for folder in ('config', 'launch', 'models'):
+    for folder in ('config', 'launch', 'bodies', 'models'):
         expected |= {
             f'share/lsc_pose_ros/{path.relative_to(ROOT)}'
             for path in (ROOT / folder).rglob('*')

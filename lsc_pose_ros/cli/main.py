@@ -54,6 +54,9 @@ COMMANDS: dict[str, Command] = {
     'replay': Command('replay_command', 'estimate every frame of a recording, or publish it'),
     'view': Command('view_command', 'draw frames of a recording, or one through every stage'),
     'bench': Command('bench_command', 'time every stage, beside the plain kernels'),
+    'experiments': Command(
+        'experiments_command', "measure the paper's tables and figures on recordings"
+    ),
     'info': Command('info_command', 'say what a recording or a model holds'),
 }
 

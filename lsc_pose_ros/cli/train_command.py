@@ -21,6 +21,7 @@ from lsc_pose_ros.data.model_file import save_model
 from lsc_pose_ros.data.recording import FrameReader
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.calibration import calibrate
+from lsc_pose_ros.learning.criterion import CRITERIA, SPREAD
 from lsc_pose_ros.learning.growth import GrowthSettings
 from lsc_pose_ros.learning.samples import labelled_people
 from lsc_pose_ros.learning.train import GIBIBYTE, TrainingSettings, train
@@ -66,6 +67,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=defaults.sample,
         help='where the points lie; dcf on the body, evaluated with --no-graph, is the method of '
         'Girshick et al. 2011 (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--criterion',
+        choices=CRITERIA,
+        default=SPREAD,
+        help="what the splits make small: the spread of the joints' offsets, or the paper's "
+        "entropy of the joints' contributions (default: %(default)s)",
     )
     parser.add_argument(
         '--joints',
@@ -158,8 +166,9 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
             query_points=arguments.query_points,
             offset_seed=arguments.seed,
         ),
-        arguments.trees,
-        GrowthSettings(depth=arguments.depth, leaf_samples=arguments.leaf_samples),
+        trees=arguments.trees,
+        growth=GrowthSettings(depth=arguments.depth, leaf_samples=arguments.leaf_samples),
+        criterion=arguments.criterion,
         seed=arguments.seed,
         memory=arguments.memory * GIBIBYTE,
         hold_out=0.0 if arguments.calibrate else arguments.hold_out,

@@ -45,7 +45,7 @@ class Settings(NamedTuple):
     query_points: int = 200
     fixed_scale: float = 0.0
     binning: str = 'shared'
-    support_radius: float = 1.0
+    support_radius: float = 1.5
     inner_radius: float = 0.1
     joint_bandwidth: float = 0.07
     heaviest_votes: int = 200

@@ -4,17 +4,28 @@ At a large node all cores look for the split, a feature each. A small node is to
 that; there each core grows a whole branch.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.jit import kernel, parallel_kernel
+from lsc_pose_ros.learning.criterion import Evidence, evidence_of
 from lsc_pose_ros.learning.splitter import Split, partition, try_feature
 
 # A node with fewer samples than this is the root of a branch.
 BRANCH_SAMPLES = 20_000
+
+
+# Evidence as a plain tuple: numba's parallel loops take no named one of different arrays.
+_Parts: TypeAlias = tuple[
+    NDArray[np.int64], NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]
+]
+
+
+def _parts_of(evidence: Evidence) -> _Parts:
+    return evidence.start, evidence.joint, evidence.value, evidence.nothing
 
 
 class GrowthSettings(NamedTuple):
@@ -27,8 +38,8 @@ class GrowthSettings(NamedTuple):
         thresholds: how many random thresholds are tried for each feature.
     """
 
-    depth: int = 20
-    leaf_samples: int = 20
+    depth: int = 24
+    leaf_samples: int = 8
     features: int = 12
     thresholds: int = 100
 
@@ -65,6 +76,7 @@ class Branches(NamedTuple):
         start, end: which of the ordered samples it has, shape (B,).
         depth: how many splits lie above, shape (B,).
         seed: of what it draws, shape (B,).
+        room: its nodes have the places from room[b] to room[b + 1], shape (B + 1,).
     """
 
     node: NDArray[np.int64]
@@ -72,11 +84,12 @@ class Branches(NamedTuple):
     end: NDArray[np.int64]
     depth: NDArray[np.int64]
     seed: NDArray[np.int64]
+    room: NDArray[np.int64]
 
 
 def grow_tree(
     levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
+    evidence: Evidence,
     settings: GrowthSettings,
     rng: np.random.Generator,
 ) -> Tree:
@@ -84,26 +97,25 @@ def grow_tree(
 
     Args:
         levels: quantised descriptors, shape (F, S).
-        weights: the joints' contributions, shape (S, J) (eq. 10).
+        evidence: what the samples say of the joints, which the criterion judges splits by.
         settings: when to stop.
         rng: draws features and thresholds.
     """
     order = np.arange(levels.shape[1], dtype=np.int32)
-    trunk, branches = _grow_trunk(levels, weights, order, settings, rng)
-    room = 2 * ((branches.end - branches.start) // settings.leaf_samples) + 1
-    first = np.concatenate([[0], np.cumsum(room)])
+    trunk, branches = _grow_trunk(levels, evidence, order, settings, rng)
     grown = Nodes(
-        np.full(first[-1], -1, np.int16),
-        np.zeros(first[-1], np.uint8),
-        np.zeros(first[-1], np.int64),
+        np.full(branches.room[-1], -1, np.int16),
+        np.zeros(branches.room[-1], np.uint8),
+        np.zeros(branches.room[-1], np.int64),
     )
-    sizes = _grow_branches((levels, weights, order), branches, first, grown, settings)
-    return _graft(trunk, branches, (first, sizes, grown), order)
+    samples = (levels, order)
+    sizes = _grow_branches(samples, _parts_of(evidence), branches, grown, settings)
+    return _graft(trunk, branches, (sizes, grown), order)
 
 
 def _grow_trunk(
     levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
+    evidence: Evidence,
     order: NDArray[np.int32],
     settings: GrowthSettings,
     rng: np.random.Generator,
@@ -118,7 +130,7 @@ def _grow_trunk(
         node, start, end, depth = waiting.pop()
         split = Split(-1, 0, np.inf)
         if end - start >= BRANCH_SAMPLES and depth < settings.depth:
-            split = find_split(levels, weights, order[start:end], settings, rng)
+            split = find_split(levels, evidence, order[start:end], settings, rng)
         if split.feature < 0:
             branches.append((node, start, end, depth))
             continue
@@ -134,12 +146,13 @@ def _grow_trunk(
     )
     node_of, starts, ends, depths = np.array(branches, np.int64).T.copy()
     seeds = rng.integers(0, 2**31, len(branches))
-    return trunk, Branches(node_of, starts, ends, depths, seeds)
+    room = np.concatenate([[0], np.cumsum(2 * ((ends - starts) // settings.leaf_samples) + 1)])
+    return trunk, Branches(node_of, starts, ends, depths, seeds, room)
 
 
 def find_split(
     levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
+    evidence: Evidence,
     members: NDArray[np.int32],
     settings: GrowthSettings,
     rng: np.random.Generator,
@@ -150,8 +163,9 @@ def find_split(
     """
     features = rng.choice(len(levels), min(settings.features, len(levels)), replace=False)
     draws = rng.random((len(features), settings.thresholds))
+    parts = _parts_of(evidence_of(evidence, members))
     costs, thresholds = _try_features(
-        levels, weights[members], members, (features, draws), settings.leaf_samples
+        levels, parts, members, (features, draws), settings.leaf_samples
     )
     best = int(np.argmin(costs))
     if not np.isfinite(costs[best]):
@@ -162,7 +176,7 @@ def find_split(
 @parallel_kernel
 def _try_features(
     levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
+    parts: _Parts,
     members: NDArray[np.int32],
     trials: tuple[NDArray[np.int64], NDArray[np.float64]],
     leaf_samples: int,
@@ -172,20 +186,21 @@ def _try_features(
     thresholds = np.zeros(features.shape[0], np.int64)
     for f in numba.prange(features.shape[0]):
         costs[f], thresholds[f] = try_feature(
-            levels[features[f]], weights, members, draws[f], leaf_samples
+            levels[features[f]], Evidence(*parts), members, draws[f], leaf_samples
         )
     return costs, thresholds
 
 
 @parallel_kernel
 def _grow_branches(
-    samples: tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]],
+    samples: tuple[NDArray[np.uint8], NDArray[np.int32]],
+    parts: _Parts,
     branches: Branches,
-    first: NDArray[np.int64],
     grown: Nodes,
     settings: GrowthSettings,
 ) -> NDArray[np.int64]:
     """Grow each branch into its own stretch of `grown`; return how many nodes each has."""
+    first = branches.room
     sizes = np.zeros(branches.node.shape[0], np.int64)
     for b in numba.prange(branches.node.shape[0]):
         nodes = Nodes(
@@ -196,18 +211,19 @@ def _grow_branches(
         # The generator is the thread's own, and a branch is grown by one thread.
         np.random.seed(branches.seed[b])  # noqa: NPY002 - the generator that kernels have
         span = branches.start[b], branches.end[b], branches.depth[b]
-        sizes[b] = _grow_branch(samples, span, nodes, settings)
+        sizes[b] = _grow_branch(samples, Evidence(*parts), span, (nodes, settings))
     return sizes
 
 
 @kernel
 def _grow_branch(
-    samples: tuple[NDArray[np.uint8], NDArray[np.float32], NDArray[np.int32]],
+    samples: tuple[NDArray[np.uint8], NDArray[np.int32]],
+    evidence: Evidence,
     span: tuple[int, int, int],
-    nodes: Nodes,
-    settings: GrowthSettings,
+    growing: tuple[Nodes, GrowthSettings],
 ) -> int:
-    levels, weights, order = samples
+    levels, order = samples
+    nodes, settings = growing
     # Node, start, end, depth; the stack never holds more than a sibling a level.
     waiting = np.empty((settings.depth + 2, 4), np.int64)
     waiting[0, 0] = 0
@@ -219,7 +235,7 @@ def _grow_branch(
         members = order[start:end]
         split = Split(-1, 0, np.inf)
         if depth < settings.depth and end - start >= 2 * settings.leaf_samples:
-            split = _draw_split(levels, weights[members], members, settings)
+            split = _draw_split(levels, evidence_of(evidence, members), members, settings)
         if split.feature < 0:
             nodes.left[node] = start
             continue
@@ -237,7 +253,7 @@ def _grow_branch(
 @kernel
 def _draw_split(
     levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
+    evidence: Evidence,
     members: NDArray[np.int32],
     settings: GrowthSettings,
 ) -> Split:
@@ -252,7 +268,7 @@ def _draw_split(
         drawn[feature] = True
         draws = np.random.random(settings.thresholds)  # noqa: NPY002
         cost, threshold = try_feature(
-            levels[feature], weights, members, draws, settings.leaf_samples
+            levels[feature], evidence, members, draws, settings.leaf_samples
         )
         if cost < best.cost:
             best = Split(feature, threshold, cost)
@@ -262,15 +278,15 @@ def _draw_split(
 def _graft(
     trunk: Nodes,
     branches: Branches,
-    grown: tuple[NDArray[np.int64], NDArray[np.int64], Nodes],
+    grown: tuple[NDArray[np.int64], Nodes],
     order: NDArray[np.int32],
 ) -> Tree:
     """Return the trunk with the branches on it, leaves numbered in the order of their samples."""
-    first, sizes, nodes = grown
+    sizes, nodes = grown
     parts = [trunk]
     used = len(trunk.feature)
     for b, (node, size) in enumerate(zip(branches.node, sizes, strict=True)):
-        own = slice(first[b], first[b] + size)
+        own = slice(branches.room[b], branches.room[b] + size)
         branch = Nodes(nodes.feature[own], nodes.threshold[own], nodes.left[own].copy())
         # The branch's root takes the place of the trunk's leaf; its other nodes are put behind.
         branch.left[branch.feature >= 0] += used - 1

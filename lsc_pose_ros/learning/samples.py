@@ -94,13 +94,17 @@ def most_samples(memory: float, joints: int, size: int) -> int:
         joints: J, how many joints are learnt.
         size: F, how many numbers describe a point.
 
-    A sample needs its descriptor, point and person, its contributions twice while a node is
-    split, its place in the order twice, and its share of the leaves' votes; the interpreter and
-    the compiled kernels need the rest.
+    A sample needs its descriptor, point and person, its evidence twice while a node is split, its
+    place in the order twice, and its share of the leaves' votes; the interpreter and the compiled
+    kernels need the rest.
     """
-    for_sample = size + 16 + 2 * 4 * joints + 2 * 4 + 64
+    evidence = 8 + _SHARE_IN_REACH * joints * (1 + 4 * 4)
+    for_sample = size + 16 + 2 * evidence + 2 * 4 + 120
     return max(1, int((memory - _WITHOUT_SAMPLES) / for_sample))
 
+
+# Of how many joints a point has evidence: a fifth, in all views.
+_SHARE_IN_REACH = 0.25
 
 # Bytes that a process takes which has imported everything and compiled all kernels.
 _WITHOUT_SAMPLES = 600e6

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.jit import kernel
-from lsc_pose_ros.learning.criterion import entropy_times_count
+from lsc_pose_ros.learning.criterion import Evidence, add_up, cost_of
 
 LEVELS = 256
 
@@ -17,7 +17,7 @@ class Split(NamedTuple):
     Attributes:
         feature: the bin of the descriptor that is compared.
         threshold: a level below it goes left.
-        cost: |S_l| H(S_l) + |S_r| H(S_r), bits.
+        cost: of both sides together, as the criterion counts it.
     """
 
     feature: int
@@ -28,33 +28,26 @@ class Split(NamedTuple):
 @kernel
 def try_feature(
     levels: NDArray[np.uint8],
-    weights: NDArray[np.float32],
+    evidence: Evidence,
     members: NDArray[np.int32],
     draws: NDArray[np.float64],
     leaf_samples: int,
 ) -> tuple[float, int]:
-    """Return the least |S_l| H(S_l) + |S_r| H(S_r) and its threshold, for one feature (eq. 8).
+    """Return the least cost of both sides together and its threshold, for one feature (eq. 8).
 
-    The contributions are summed by level once; every threshold then costs two sums over J.
+    The evidence is summed by level once; every threshold then costs two sums over J.
 
     Args:
         levels: the feature's level in every sample, shape (S,).
-        weights: the members' contributions, shape (n, J).
+        evidence: of the members, in their order.
         members: the node's samples, shape (n,).
         draws: thresholds as shares of the members' range of levels, shape (thresholds,).
         leaf_samples: the fewest samples that a side may have.
     """
-    count, joints = weights.shape
-    sums = np.zeros((LEVELS, joints))
-    counts = np.zeros(LEVELS, np.int64)
-    for n in range(count):
-        level = levels[members[n]]
-        counts[level] += 1
-        for j in range(joints):
-            sums[level, j] += weights[n, j]
-    low, high = _accumulate(sums, counts)
-    sides = np.empty((2, joints), np.float32)
-    bits = sides.view(np.int32)
+    low, high = _range(levels, members)
+    counts, sums = _sums_below(levels, evidence, members, (low, high))
+    count, everything = members.shape[0], sums[-1]
+    rest = np.empty_like(everything)
     # Levels that no sample has make different thresholds the same split.
     tried = np.zeros(count + 1, np.bool_)
     best, best_threshold = np.inf, 0
@@ -62,34 +55,51 @@ def try_feature(
         threshold = low + 1 + int(draw * (high - low))
         if threshold > high:
             continue
-        below = counts[threshold - 1]
+        below = counts[threshold - low - 1]
         if tried[below] or below < leaf_samples or count - below < leaf_samples:
             continue
         tried[below] = True
-        for j in range(joints):
-            sides[0, j] = sums[threshold - 1, j]
-            sides[1, j] = sums[high, j] - sums[threshold - 1, j]
-        left = entropy_times_count(sides[0], bits[0], below)
-        right = entropy_times_count(sides[1], bits[1], count - below)
-        cost = float(left) + float(right)
+        left = sums[threshold - low - 1]
+        for j in range(rest.shape[0]):
+            for c in range(rest.shape[1]):
+                rest[j, c] = everything[j, c] - left[j, c]
+        cost = float(cost_of(left, below)) + float(cost_of(rest, count - below))
         if cost < best:
             best, best_threshold = cost, threshold
     return best, best_threshold
 
 
 @kernel
-def _accumulate(sums: NDArray[np.float64], counts: NDArray[np.int64]) -> tuple[int, int]:
-    """Add up over the levels, in place; return the lowest and the highest level that occur."""
-    low = 0
-    while counts[low] == 0:
-        low += 1
-    high = LEVELS - 1
-    while counts[high] == 0:
-        high -= 1
-    for level in range(low + 1, high + 1):
-        counts[level] += counts[level - 1]
-        sums[level] += sums[level - 1]
+def _range(levels: NDArray[np.uint8], members: NDArray[np.int32]) -> tuple[int, int]:
+    """Return the lowest and the highest level of the members."""
+    low, high = LEVELS - 1, 0
+    for member in members:
+        low = min(low, int(levels[member]))
+        high = max(high, int(levels[member]))
     return low, high
+
+
+@kernel
+def _sums_below(
+    levels: NDArray[np.uint8],
+    evidence: Evidence,
+    members: NDArray[np.int32],
+    span: tuple[int, int],
+) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
+    """Return how many members have at most each level of the span, and their evidence's sums."""
+    low, high = span
+    counts = np.zeros(high - low + 1, np.int64)
+    sums = np.zeros((high - low + 1, *evidence.nothing.shape), np.float32)
+    for n in range(members.shape[0]):
+        level = levels[members[n]] - low
+        counts[level] += 1
+        add_up(sums[level], evidence, n)
+    for level in range(1, high - low + 1):
+        counts[level] += counts[level - 1]
+        for j in range(sums.shape[1]):
+            for c in range(sums.shape[2]):
+                sums[level, j, c] += sums[level - 1, j, c]
+    return counts, sums
 
 
 @kernel

@@ -14,7 +14,13 @@ from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.calibration import calibrate
-from lsc_pose_ros.learning.criterion import contributions
+from lsc_pose_ros.learning.criterion import (
+    ENTROPY,
+    SPREAD,
+    Evidence,
+    contributions,
+    offset_moments,
+)
 from lsc_pose_ros.learning.growth import GrowthSettings, Tree, grow_tree
 from lsc_pose_ros.learning.leaves import LeafSettings, fit_joint_votes, fit_pair_votes
 from lsc_pose_ros.learning.samples import (
@@ -39,6 +45,8 @@ class TrainingSettings(NamedTuple):
         seed: of all that is drawn.
         memory: how much training may take, bytes.
         hold_out: which share of the people teaches confidence instead of the forest.
+        criterion: what splits are chosen by, one of CRITERIA.
+        criterion_reach: of the spread: up to where a point speaks of a joint, in units of rho_bar.
     """
 
     joints: NDArray[np.uint16]
@@ -49,6 +57,8 @@ class TrainingSettings(NamedTuple):
     seed: int = 0
     memory: float = 8 * GIBIBYTE
     hold_out: float = 0.05
+    criterion: str = SPREAD
+    criterion_reach: float = 0.5
 
 
 Progress = Callable[[str], None]
@@ -91,14 +101,14 @@ def train_on(
     """Return a model trained on `samples`; the other arguments as `train`."""
     _check_labels(samples, training)
     edges = default_edges(training.joints)
-    weights = contributions(samples.points, samples.person, samples.joints)
+    evidence = evidence_in(samples, training)
     trees: list[Tree] = []
     joint_votes: list[Votes] = []
     pair_votes: list[Votes] = []
     for number in range(training.trees):
         tell(f'growing tree {number + 1} of {training.trees}')
         rng = np.random.default_rng((training.seed, number))
-        tree = grow_tree(samples.levels, weights, training.growth, rng)
+        tree = grow_tree(samples.levels, evidence, training.growth, rng)
         tell(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
         trees.append(tree)
         joint_votes.append(fit_joint_votes(samples, tree, training.leaves))
@@ -111,6 +121,14 @@ def train_on(
         join_trees(trees, joint_votes, pair_votes),
         provenance | {'people': str(len(samples.scale)), 'samples': str(len(samples.points))},
     )
+
+
+def evidence_in(samples: Samples, training: TrainingSettings) -> Evidence:
+    """Return what the samples say of the joints, for the criterion that splits are chosen by."""
+    places = (samples.points, samples.person, samples.joints)
+    if training.criterion == ENTROPY:
+        return contributions(*places)
+    return offset_moments(*places, training.criterion_reach)
 
 
 def _check_labels(samples: Samples, training: TrainingSettings) -> None:

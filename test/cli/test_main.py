@@ -62,7 +62,8 @@ def test_help_lists_every_command_and_imports_nothing_heavy() -> None:
     output = python('-c', script).stdout
     status, modules = json.loads(output.splitlines()[-1])
     assert status == 0
-    assert all(f'    {name} ' in output for name in cli.COMMANDS)
+    listed = {line[4:].split(' ')[0] for line in output.splitlines() if line[:4] == '    '}
+    assert set(cli.COMMANDS) <= listed
     assert not {'numpy', 'numba', 'matplotlib', 'rclpy', 'tqdm', 'yaml'} & set(modules)
 
 

@@ -4,7 +4,14 @@ import math
 import numpy as np
 import pytest
 
-from lsc_pose_ros.learning.criterion import contributions, entropy_times_count
+from lsc_pose_ros.learning.criterion import (
+    Evidence,
+    add_up,
+    contributions,
+    cost_of,
+    evidence_of,
+    offset_moments,
+)
 from lsc_pose_ros.learning.growth import BRANCH_SAMPLES, GrowthSettings, find_split, grow_tree
 from lsc_pose_ros.learning.splitter import partition, try_feature
 
@@ -22,6 +29,49 @@ def contributions_twin(points, person, joints):
     return result
 
 
+def offset_moments_twin(points, person, joints, reach):
+    """w = exp(-||o||^2 / reach^2) within the reach, and w o, for each sample and joint."""
+    result = np.zeros((len(points), joints.shape[1], 4))
+    for s, point in enumerate(points.astype(float)):
+        for j, joint in enumerate(joints[person[s]]):
+            offset = joint - point
+            if np.linalg.norm(offset) <= reach:
+                weight = math.exp(-(offset @ offset) / reach**2)
+                result[s, j] = [weight, *(weight * offset)]
+    return result
+
+
+def dense(evidence):
+    """Return evidence as one array, shape (S, J, numbers a joint)."""
+    result = np.zeros((len(evidence.start) - 1, *evidence.nothing.shape))
+    for s in range(len(result)):
+        some = slice(evidence.start[s], evidence.start[s + 1])
+        result[s, evidence.joint[some]] = evidence.value[some]
+    return result
+
+
+def sparse(values):
+    """Return evidence from an array of that shape; zeros are left out."""
+    said = (values != 0).any(axis=2)
+    return Evidence(
+        np.concatenate([[0], np.cumsum(said.sum(axis=1))]),
+        np.nonzero(said)[1].astype(np.uint8),
+        values[said].astype(np.float32),
+        np.zeros(values.shape[1:], np.float32),
+    )
+
+
+def squares_about_the_mean(offsets, weights):
+    """Return the sum over j of sum w ||o - mean_j||^2; offsets (n, J, 3), weights (n, J)."""
+    total = 0.0
+    for j in range(weights.shape[1]):
+        some = weights[:, j] > 0
+        if some.any():
+            mean = np.average(offsets[some, j], axis=0, weights=weights[some, j])
+            total += weights[some, j] @ ((offsets[some, j] - mean) ** 2).sum(axis=1)
+    return total
+
+
 def weighted_entropy(weights):
     """|S| H(S) of equation 9, in bits."""
     shares = weights.astype(float).sum(axis=0) / max(len(weights), 1)
@@ -33,6 +83,7 @@ def random_samples(seed, count=300, joints=4, levels=30):
     rng = np.random.default_rng(seed)
     weights = rng.random((count, joints)).astype(np.float32)
     weights /= weights.sum(axis=1, keepdims=True)
+    weights[rng.random((count, joints)) < 0.3] = 0
     return rng.integers(0, levels, (360, count)).astype(np.uint8), weights
 
 
@@ -44,9 +95,37 @@ def test_contributions_are_equation_10(seed):
     joints[2, 3] = np.nan
     points[0] = 100  # no joint in reach
     person = rng.integers(0, 5, 100).astype(np.int32)
-    found = contributions(points, person, joints)
+    found = dense(contributions(points, person, joints))[..., 0]
     np.testing.assert_allclose(found, contributions_twin(points, person, joints), atol=1e-6)
     assert found[0].sum() == 0
+
+
+@pytest.mark.parametrize('reach', [0.3, 1.0])
+def test_offset_moments(reach):
+    rng = np.random.default_rng(0)
+    points = rng.normal(0, 0.4, (100, 3)).astype(np.float32)
+    joints = rng.normal(0, 0.4, (5, 6, 3)).astype(np.float32)
+    joints[2, 3] = np.nan
+    points[0] = 100
+    person = rng.integers(0, 5, 100).astype(np.int32)
+    found = dense(offset_moments(points, person, joints, reach))
+    expected = offset_moments_twin(points, person, joints, reach)
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+    assert 0 < (expected[..., 0] > 0).mean() < 1
+
+
+@pytest.mark.parametrize('numbers', [1, 4])
+def test_evidence_of_some_samples(numbers):
+    rng = np.random.default_rng(numbers)
+    values = rng.random((50, 3, numbers)) * (rng.random((50, 3, 1)) < 0.5)
+    members = rng.permutation(50)[:20].astype(np.int32)
+    some = evidence_of(sparse(values), members)
+    np.testing.assert_allclose(dense(some), values[members], rtol=1e-6)
+    sums = np.zeros((3, numbers), np.float32)
+    for sample in range(20):
+        add_up(sums, some, sample)
+    np.testing.assert_allclose(sums, values[members].sum(axis=0), rtol=1e-5)
+    assert len(evidence_of(some, members[:0]).joint) == 0
 
 
 @pytest.mark.parametrize('seed', range(3))
@@ -54,9 +133,27 @@ def test_entropy_is_equation_9(seed):
     weights = np.random.default_rng(seed).random((50, 5)).astype(np.float32)
     weights[:, 2] = 0
     weights /= weights.sum(axis=1, keepdims=True)
-    sums = weights.sum(axis=0)
-    found = entropy_times_count(sums, sums.view(np.int32), 50)
+    found = cost_of(weights.sum(axis=0)[:, None].copy(), 50)
     assert found == pytest.approx(weighted_entropy(weights), abs=2e-5 * 50)
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_spread_differs_from_the_squares_about_the_mean_by_what_no_split_changes(seed):
+    rng = np.random.default_rng(seed)
+    offsets, weights = rng.normal(0, 0.2, (60, 5, 3)), rng.random((60, 5))
+    weights[:, 2] = 0
+    weights[:50, 3] = 0
+    moments = np.concatenate([weights[..., None], weights[..., None] * offsets], axis=2)
+    for members in (slice(None), slice(0, 17), slice(17, 60), slice(5, 6)):
+        found = cost_of(moments[members].sum(axis=0).astype(np.float32), 1)
+        unchanged = (weights[members] * (offsets[members] ** 2).sum(axis=2)).sum()
+        expected = squares_about_the_mean(offsets[members], weights[members])
+        assert found + unchanged == pytest.approx(expected, abs=1e-4)
+
+
+def test_a_set_that_says_nothing_costs_nothing():
+    assert cost_of(np.zeros((4, 4), np.float32), 7) == 0
+    assert cost_of(np.zeros((4, 1), np.float32), 7) == 0
 
 
 @pytest.mark.parametrize('seed', range(8))
@@ -66,7 +163,8 @@ def test_the_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
     rng = np.random.default_rng(seed)
     members = rng.permutation(300)[:200].astype(np.int32)
     draws = rng.random(12)
-    cost, threshold = try_feature(levels[5], weights[members], members, draws, leaf_samples)
+    evidence = evidence_of(sparse(weights[..., None]), members)
+    cost, threshold = try_feature(levels[5], evidence, members, draws, leaf_samples)
     mine = levels[5][members]
     costs = {}
     for draw in draws:
@@ -83,9 +181,9 @@ def test_the_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
 
 
 def test_a_feature_that_is_the_same_everywhere_splits_nothing():
-    weights = np.full((50, 3), 1 / 3, np.float32)
+    evidence = sparse(np.full((50, 3, 1), 1 / 3))
     levels = np.full(50, 9, np.uint8)
-    cost, _ = try_feature(levels, weights, np.arange(50, dtype=np.int32), np.array([0.1, 0.9]), 1)
+    cost, _ = try_feature(levels, evidence, np.arange(50, dtype=np.int32), np.array([0.1, 0.9]), 1)
     assert cost == np.inf
 
 
@@ -96,11 +194,13 @@ def test_the_feature_that_separates_is_found_among_those_drawn():
     weights[1::2] = [0, 0, 0, 1]
     settings = GrowthSettings(features=360)
     members = np.arange(300, dtype=np.int32)
-    split = find_split(levels, weights, members, settings, np.random.default_rng(0))
+    split = find_split(
+        levels, sparse(weights[..., None]), members, settings, np.random.default_rng(0)
+    )
     assert split.feature == 77
     assert 10 < split.threshold <= 200
     assert split.cost == pytest.approx(0, abs=2e-5 * 300)
-    tree = grow_tree(levels, weights, settings, np.random.default_rng(0))
+    tree = grow_tree(levels, sparse(weights[..., None]), settings, np.random.default_rng(0))
     assert tree.feature[0] == 77
 
 
@@ -110,10 +210,24 @@ def test_trees_grow_on_any_number_of_features(size):
     rng = np.random.default_rng(size)
     weights = rng.dirichlet(np.ones(4), BRANCH_SAMPLES + 500).astype(np.float32)
     levels = rng.integers(0, 256, (size, len(weights)), np.uint8)
-    tree = grow_tree(levels, weights, GrowthSettings(leaf_samples=200), rng)
+    tree = grow_tree(levels, sparse(weights[..., None]), GrowthSettings(leaf_samples=200), rng)
     used = np.unique(tree.feature[tree.feature >= 0])
     assert used.max() >= 0.9 * (size - 1)
     assert len(used) > min(size, 40) / 2
+
+
+def test_spread_finds_the_feature_that_tells_where_a_joint_is():
+    """Every sample is as near to the joint as the others, on one side or the other."""
+    levels, _ = random_samples(0, 300)
+    levels[77] = np.where(np.arange(300) % 2, 200, 10)
+    points = np.zeros((300, 3), np.float32)
+    points[:, 0] = np.where(np.arange(300) % 2, 0.2, -0.2)
+    joints = np.zeros((1, 1, 3), np.float32)
+    evidence = offset_moments(points, np.zeros(300, np.int32), joints, 0.5)
+    members = np.arange(300, dtype=np.int32)
+    settings = GrowthSettings(features=360)
+    split = find_split(levels, evidence, members, settings, np.random.default_rng(0))
+    assert split.feature == 77
 
 
 def test_partition_keeps_orders():
@@ -142,7 +256,7 @@ def test_a_tree_sorts_every_sample_into_the_leaf_that_its_splits_lead_to(
 ):
     monkeypatch.setattr('lsc_pose_ros.learning.growth.BRANCH_SAMPLES', branch)
     levels, weights = random_samples(2, 500)
-    tree = grow_tree(levels, weights, settings, np.random.default_rng(0))
+    tree = grow_tree(levels, sparse(weights[..., None]), settings, np.random.default_rng(0))
     assert (tree.left[tree.feature >= 0] > np.flatnonzero(tree.feature >= 0)).all()
     sizes = np.diff(tree.leaf_start)
     assert sorted(tree.order.tolist()) == list(range(500))
@@ -165,7 +279,8 @@ def test_growth_is_repeatable_and_the_seed_matters(monkeypatch):
     levels, weights = random_samples(3, 500)
     settings = GrowthSettings(leaf_samples=10)
     first, again, other = (
-        grow_tree(levels, weights, settings, np.random.default_rng(seed)) for seed in (1, 1, 2)
+        grow_tree(levels, sparse(weights[..., None]), settings, np.random.default_rng(seed))
+        for seed in (1, 1, 2)
     )
     np.testing.assert_array_equal(first.feature, again.feature)
     np.testing.assert_array_equal(first.threshold, again.threshold)
@@ -173,7 +288,9 @@ def test_growth_is_repeatable_and_the_seed_matters(monkeypatch):
 
 
 def test_too_few_samples_make_a_single_leaf():
-    levels, weights = random_samples(4, 30)
-    tree = grow_tree(levels, weights, GrowthSettings(), np.random.default_rng(0))
+    levels, weights = random_samples(4, 15)
+    tree = grow_tree(
+        levels, sparse(weights[..., None]), GrowthSettings(), np.random.default_rng(0)
+    )
     assert tree.feature.tolist() == [-1]
-    assert tree.leaf_start.tolist() == [0, 30]
+    assert tree.leaf_start.tolist() == [0, 15]

@@ -1,0 +1,247 @@
+"""`lsc_pose experiments`."""
+
+import csv
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+from PIL import Image
+
+from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.experiments.paper import EXPERIMENTS, full_scope, quick_scope
+from lsc_pose_ros.experiments.publishing import Publisher
+
+NAMES = [
+    'table1', 'table2', 'fig6', 'fig7', 'fig8', 'fig9', 'fig11', 'fig12', 'fig13', 'fig14',
+    'fig15',
+]  # fmt: skip
+
+
+@pytest.fixture(scope='module')
+def recordings(people, tmp_path_factory):
+    """Two of the same kind of people."""
+    paths = []
+    for name, frames in (('one', people[:60]), ('two', people[60:120])):
+        paths.append(str(tmp_path_factory.mktemp('recordings') / f'{name}.mcap'))
+        with RecordingWriter(paths[-1]) as writer:
+            for frame in frames:
+                writer.write_frame(frame)
+    return paths
+
+
+def experiments(folder, recordings, *words):
+    return main(['experiments', str(folder), '--recordings', *recordings, '--quick', *words])
+
+
+@pytest.fixture(scope='module')
+def measured(recordings, tmp_path_factory):
+    """All experiments, measured quickly: the folder and the results."""
+    folder = tmp_path_factory.mktemp('experiments') / 'out'
+    path = folder.parent / 'results.json'
+    assert experiments(folder, recordings, '--json', str(path)) == 0
+    return folder, json.loads(path.read_text())
+
+
+class Tags(HTMLParser):
+    """Collects a page's sections, pictures and links, and sees whether all tags are closed."""
+
+    def __init__(self):
+        super().__init__()
+        self.sections, self.links, self.open = [], [], []
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        if tag == 'section':
+            self.sections.append(given['id'])
+        self.links += [given[name] for name in ('src', 'href') if name in given]
+        if tag not in {'meta', 'img'}:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def read_page(folder):
+    tags = Tags()
+    text = (folder / 'index.html').read_text()
+    tags.feed(text)
+    assert tags.open == []
+    return text, tags
+
+
+def test_the_page_has_all_sections_and_their_files(measured):
+    folder, _ = measured
+    text, tags = read_page(folder)
+    assert tags.sections == list(EXPERIMENTS) == NAMES
+    assert 'Not measured yet' not in text
+    assert 'A quick run' in text
+    for link in tags.links:
+        assert link[1:] in NAMES if link.startswith('#') else (folder / link).is_file()
+    for name in NAMES:
+        assert f'{name}.csv' in tags.links
+        with Image.open(folder / f'{name}.png') as picture:
+            picture.load()
+            assert min(picture.size) > 100
+    assert not list(folder.glob('.*'))
+
+
+def test_the_papers_numbers_stand_beside_ours(measured):
+    folder, results = measured
+    text, _ = read_page(folder)
+    section = text[text.index('<section id="table2">') :].partition('</section>')[0]
+    found = {
+        row['variant']: row
+        for row in results['experiments']['table2']['rows']
+        if row['part'] == 'mean'
+    }
+    for label, paper in (('3DLSC', 98.2), ('DCF', 97.6), ('2DSC', 87.6)):
+        ours = f'{100 * found[label]["ap"]:.1f}'
+        line = re.search(rf'<td>{label}</td><td>all joints</td>.*', section).group()
+        assert f'<td>{ours}</td><td class="paper">{paper}</td>' in line
+        assert '<td class="paper">not in the text</td>' in line
+    assert re.search(r'<b>(holds|does not hold|cannot be told)</b>', section)
+
+
+def test_csv_and_json_say_the_same(measured):
+    folder, results = measured
+    for name, found in results['experiments'].items():
+        with (folder / f'{name}.csv').open(newline='') as file:
+            rows = list(csv.DictReader(file))
+        assert len(rows) == len(found['rows']) > 10
+        for row, same in zip(rows, found['rows'], strict=True):
+            for column, value in same.items():
+                assert row[column] == ('' if value is None else str(value))
+        assert {claim['holds'] for claim in found['claims']} <= {True, False, None}
+
+
+def test_the_same_trial_has_the_same_numbers_everywhere(measured):
+    _, results = measured
+    means = {
+        (name, row['variant']): row['ap']
+        for name, found in results['experiments'].items()
+        for row in found['rows']
+        if row['part'] == 'mean'
+    }
+    ours = means['fig9', 'ours (3DLSC + graph)']
+    assert ours == means['table2', '3DLSC'] == means['fig12', '80'] == means['fig14', '200']
+    assert ours == means['fig13', 'normalised (each body its own)'] == means['fig15', '60 frames']
+    assert means['fig9', 'without the graph'] != ours
+    assert means['fig11', 'without multi-binning'] != ours
+
+
+def test_nothing_is_measured_twice(measured, recordings, monkeypatch):
+    folder, _ = measured
+    before = {path: path.stat().st_mtime_ns for path in (folder / 'trials').iterdir()}
+    assert len(before) == 20
+    monkeypatch.setattr('lsc_pose_ros.experiments.running.train_on', None)
+    assert experiments(folder, recordings) == 0
+    assert before == {path: path.stat().st_mtime_ns for path in (folder / 'trials').iterdir()}
+
+
+def test_one_figure_can_be_measured_alone(recordings, tmp_path, capsys):
+    out = tmp_path / 'out'
+    assert experiments(out, recordings, '--only', 'fig9', '--seed', '2') == 0
+    printed = capsys.readouterr().out
+    assert 'Fig. 9' in printed
+    assert 'Table 1' not in printed
+    files = sorted(path.name for path in out.iterdir())
+    # The whole method by itself is all that Fig. 8 needs.
+    assert files == ['fig8.csv', 'fig8.png', 'fig9.csv', 'fig9.png', 'index.html', 'trials']
+    assert len(list((out / 'trials').iterdir())) == 2
+    text, tags = read_page(out)
+    assert tags.sections == NAMES
+    assert text.count('Not measured yet') == len(NAMES) - 2
+    command = re.search(r'<code>(lsc_pose experiments .* --only table1)</code>', text).group(1)
+    assert '--quick' in command
+    assert '--seed 2' in command
+
+
+@pytest.mark.parametrize('protocol', ['recordings', 'leave-one-out'])
+def test_other_protocols(protocol, recordings, tmp_path):
+    path = tmp_path / 'results.json'
+    words = ['--protocol', protocol, '--only', 'fig8', '--json', str(path)]
+    words += ['--training-frames', '30', '--test-frames', '10']
+    given = recordings
+    if protocol == 'recordings':
+        given = recordings[:1]
+        words = [*words[2:], '--test', recordings[1]]  # which says the protocol
+    assert experiments(tmp_path / 'out', given, *words) == 0
+    results = json.loads(path.read_text())
+    assert results['protocol'].startswith(protocol)
+    row = results['experiments']['fig8']['rows'][0]
+    assert row['people'] == (10 if protocol == 'recordings' else 20)
+    assert row['training_frames'] == 30
+
+
+def complaint(capsys, *words):
+    """Return the one line that `words` end with, and no traceback."""
+    assert main([str(word) for word in words]) == 2
+    (line,) = capsys.readouterr().err.strip().splitlines()
+    return line
+
+
+def test_bad_input_is_named_before_anything_is_done(recordings, people, tmp_path, capsys):
+    out = tmp_path / 'out'
+    start = 'experiments', out, '--recordings'
+    missing = tmp_path / 'gone.mcap'
+    assert 'gone.mcap' in complaint(capsys, *start, missing)
+    assert 'needs --test' in complaint(capsys, *start, recordings[0], '--protocol', 'recordings')
+    line = complaint(capsys, *start, recordings[0], '--protocol', 'leave-one-out')
+    assert 'two --recordings or more' in line
+    line = complaint(capsys, *start, recordings[0], '--test', recordings[0])
+    assert 'named twice' in line
+    assert '--seed -1' in complaint(capsys, *start, recordings[0], '--seed', '-1')
+    bare = tmp_path / 'bare.mcap'
+    with RecordingWriter(bare) as writer:
+        writer.write_frame(people[0]._replace(truth=None))
+    assert 'has no ground truth' in complaint(capsys, *start, bare)
+    assert not out.exists()
+    (tmp_path / 'file').write_text('')
+    line = complaint(capsys, 'experiments', tmp_path / 'file', '--recordings', recordings[0])
+    assert 'cannot be made a folder' in line
+
+
+def test_an_unknown_experiment_names_those_there_are(recordings, tmp_path, capsys):
+    with pytest.raises(SystemExit) as end:
+        experiments(tmp_path, recordings, '--only', 'fig10')
+    assert end.value.code == 2
+    assert 'fig15' in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('scope', [full_scope(0), quick_scope(0)])
+def test_every_definition_is_sound(scope):
+    for name, make in EXPERIMENTS.items():
+        experiment = make(scope)
+        labels = [variant.label for variant in experiment.variants]
+        assert experiment.name == name
+        assert experiment.claims
+        assert len(set(labels)) == len(labels)
+        assert any(variant.trial for variant in experiment.variants)
+
+
+def test_the_full_scope_is_the_papers():
+    made = {name: make(full_scope(0)) for name, make in EXPERIMENTS.items()}
+    assert [v.x for v in made['fig12'].variants] == list(range(100, 901, 100))
+    assert [v.trial.frames for v in made['fig15'].variants] == [450, 900, 1800, 3600, 7200, 10000]
+    scales = [v.trial.training.settings.fixed_scale for v in made['fig13'].variants]
+    assert scales == [0, 0.3, 0.5, 0.8]
+    votes = [v.trial.training.settings.heaviest_votes for v in made['fig14'].variants]
+    assert (votes[0], votes[-1]) == (1, 500)
+    for variant in made['fig12'].variants:
+        settings = variant.trial.training.settings
+        assert settings.points == settings.query_points == variant.x
+
+
+def test_what_is_finished_is_written_at_once(recordings, tmp_path, monkeypatch):
+    written = []
+
+    def spy(publisher, bench, _original=Publisher.publish):
+        page = _original(publisher, bench)
+        written.append([s.experiment.name for s in page.sections if s.rows])
+        return page
+
+    monkeypatch.setattr(Publisher, 'publish', spy)
+    assert experiments(tmp_path / 'out', recordings, '--only', 'fig8', 'fig9') == 0
+    assert written == [['fig8'], ['fig8', 'fig9'], ['fig8', 'fig9']]
