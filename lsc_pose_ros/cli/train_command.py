@@ -59,7 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=FEATURES,
         default=defaults.feature,
         help="what the forest sees of a point: the paper's 3-D local shape context, or one of its "
-        'rivals, the shape context in the image or depth comparisons (default: %(default)s)',
+        'rivals, the shape context in the image or depth comparisons, or the first and the last '
+        'together, which is the most exact (default: %(default)s)',
     )
     parser.add_argument(
         '--sample',

@@ -3,12 +3,13 @@
 J. Shotton et al., "Real-time human pose recognition in parts from single depth images", CVPR
 2011, eq. 1: f(I, x) = d(x + u / d(x)) - d(x + v / d(x)), the difference of the depths at two
 offsets from a pixel; what is not the body is very far away. There each split draws its own pairs
-(u, v); here the pairs are a pool, drawn once, from which the splits draw, so that they are
-numbered features like the bins of a histogram.
+(u, v). Here offsets and pairs are drawn once, so that the pairs are numbered features like the
+bins of a histogram; and many pairs share few offsets, since it is the probing that takes time.
 """
 
 import random
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,11 @@ from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.silhouette import Window
 
-# How large the pool is and how far offsets reach are settings. On real people, learnt from 600 and
-# 2,000 frames, pools of 300 to 2,000 pairs differ by no more than other seeds do, so there are as
-# many pairs as the paper's feature has bins. Offsets up to 0.25, 0.5 and 0.8 m differ little; with
-# the middle one the mean error is least, by 0.2 and 0.5 cm.
+# How many offsets the pairs share. How many pairs there are and how far offsets reach are
+# settings. On real people, learnt from 600 and 2,000 frames, pools of 300 to 2,000 pairs differ by
+# no more than other seeds do, so there are as many pairs as the paper's feature has bins. Offsets
+# up to 0.25, 0.5 and 0.8 m differ little; with the middle one the mean error is least.
+OFFSETS = 128
 
 # What a probe beside the body finds, metres.
 FAR = 10.0
@@ -32,13 +34,26 @@ DEPTH_STEP = 0.008
 MIDDLE = 128
 
 
+class OffsetPool(NamedTuple):
+    """Offsets, and the pairs of them that are compared.
+
+    Attributes:
+        offsets: x and y in metres, shape (OFFSETS + 1, 2); the first is 0, the point itself.
+        first, second: which offsets the pairs compare, shape (pairs,) each.
+    """
+
+    offsets: NDArray[np.float32]
+    first: NDArray[np.int32]
+    second: NDArray[np.int32]
+
+
 @lru_cache(maxsize=8)
-def offset_pool(pairs: int, reach: float, seed: int) -> NDArray[np.float32]:
-    """Return pairs of random offsets as (u_x, u_y, v_x, v_y) in metres, shape (pairs, 4).
+def offset_pool(pairs: int, reach: float, seed: int) -> OffsetPool:
+    """Return random offsets and pairs.
 
     Offsets are drawn evenly from the square of half side `reach`. An offset in metres, times the
     focal length and divided by the depth, is one in pixels, whatever the camera. In every other
-    pair v is 0: the point itself is compared.
+    pair the second offset is 0: the point itself is compared.
 
     Args:
         pairs: how many.
@@ -48,20 +63,20 @@ def offset_pool(pairs: int, reach: float, seed: int) -> NDArray[np.float32]:
     # Python's own generator, since its `random` gives the same numbers in every version: a model
     # carries the seed and not the pool.
     draw = random.Random(seed).random  # noqa: S311 - nothing secret
-    pool = np.array([[draw() for _ in range(4)] for _ in range(pairs)])
-    pool = reach * (2 * pool - 1)
-    pool[1::2, 2:] = 0
-    pool = pool.astype(np.float32)
-    pool.flags.writeable = False  # it is handed out again and again
+    offsets = np.zeros((OFFSETS + 1, 2))
+    offsets[1:] = [[reach * (2 * draw() - 1) for _ in range(2)] for _ in range(OFFSETS)]
+    chosen = np.array([[1 + int(draw() * OFFSETS) for _ in range(2)] for _ in range(pairs)])
+    chosen[1::2, 1] = 0
+    first, second = chosen.T.astype(np.int32, order='C')
+    pool = OffsetPool(offsets.astype(np.float32), first, second)
+    for array in pool:
+        array.flags.writeable = False  # it is handed out again and again
     return pool
 
 
 @kernel
 def compare_depths(
-    window: Window,
-    pixels: NDArray[np.int32],
-    pool: NDArray[np.float32],
-    camera: Intrinsics,
+    window: Window, pixels: NDArray[np.int32], pool: OffsetPool, camera: Intrinsics
 ) -> NDArray[np.uint8]:
     """Return the depth comparisons of some of the body's pixels as levels, shape (Q, pairs).
 
@@ -71,32 +86,31 @@ def compare_depths(
     Args:
         window: the body.
         pixels: row and column in the window, each on the body, shape (Q, 2).
-        pool: pairs of offsets, metres, shape (pairs, 4).
+        pool: pairs of offsets.
         camera: the intrinsics.
     """
-    levels = np.empty((pixels.shape[0], pool.shape[0]), np.uint8)
+    levels = np.empty((pixels.shape[0], pool.first.shape[0]), np.uint8)
+    found = np.empty(pool.offsets.shape[0], np.float32)
     for q in range(pixels.shape[0]):
         row, column = pixels[q, 0], pixels[q, 1]
         depth = window.depth[row, column]
         per_metre_x, per_metre_y = camera.fx / depth, camera.fy / depth
-        for k in range(pool.shape[0]):
-            first = _probe(
-                window.depth, row + pool[k, 1] * per_metre_y, column + pool[k, 0] * per_metre_x
-            )
-            second = _probe(
-                window.depth, row + pool[k, 3] * per_metre_y, column + pool[k, 2] * per_metre_x
-            )
-            level = np.floor((first - second) / DEPTH_STEP + (MIDDLE + 0.5))
-            levels[q, k] = np.uint8(min(max(level, 0.0), 255.0))
+        for k in range(found.shape[0]):
+            x, y = pool.offsets[k, 0] * per_metre_x, pool.offsets[k, 1] * per_metre_y
+            found[k] = _probe(window.depth, row + y, column + x)
+        for k in range(levels.shape[1]):
+            difference = found[pool.first[k]] - found[pool.second[k]]
+            level = difference * np.float32(1 / DEPTH_STEP) + np.float32(MIDDLE + 0.5)
+            levels[q, k] = np.uint8(min(max(level, np.float32(0)), np.float32(255)))
     return levels
 
 
 @kernel
-def _probe(depth: NDArray[np.float32], row: float, column: float) -> float:
+def _probe(depth: NDArray[np.float32], row: float, column: float) -> np.float32:
     """Return the depth at the pixel nearest to a place in the window."""
     # Compared as numbers with a fraction: far out they are no integers any more.
-    row, column = np.floor(row + 0.5), np.floor(column + 0.5)
+    row, column = row + 0.5, column + 0.5
     if not (0 <= row < depth.shape[0] and 0 <= column < depth.shape[1]):
-        return FAR
+        return np.float32(FAR)
     found = depth[int(row), int(column)]
-    return float(found) if np.isfinite(found) else FAR
+    return found if np.isfinite(found) else np.float32(FAR)

@@ -6,6 +6,8 @@
   points in the image (`shape_context_2d.py`).
 - `dcf`: depth differences at pairs of random offsets, `Settings.offset_pairs` of them, on the
   smoothed depth (`depth_difference.py`).
+- `mixed`: `3dlsc` and `dcf` side by side, which goes beyond the paper: the silhouette tells where
+  on the body a point is, the depth around it which way a limb goes.
 
 All else stays the same: how points are chosen, the forest, rho_bar as the unit of offsets, votes
 and graph. With `Settings.sample` the points can be taken from the whole body instead of its
@@ -51,7 +53,12 @@ class Seen(NamedTuple):
 
 def feature_size(settings: Settings) -> int:
     """Return F, how many numbers describe a point."""
-    return {'3dlsc': DESCRIPTOR_SIZE, '2dsc': SIZE, 'dcf': settings.offset_pairs}[settings.feature]
+    return {
+        '3dlsc': DESCRIPTOR_SIZE,
+        '2dsc': SIZE,
+        'dcf': settings.offset_pairs,
+        'mixed': DESCRIPTOR_SIZE + settings.offset_pairs,
+    }[settings.feature]
 
 
 def describe_points(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
@@ -89,8 +96,13 @@ def _depth_comparison(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint
     return compare_depths(window, np.stack([rows, columns], axis=1), pool, seen.camera)
 
 
+def _mixed(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
+    return np.hstack((_local_shape_context(seen, queries), _depth_comparison(seen, queries)))
+
+
 _DESCRIBE: dict[str, Callable[[Seen, NDArray[np.int64]], NDArray[np.uint8]]] = {
     '3dlsc': _local_shape_context,
     '2dsc': _shape_context_in_image,
     'dcf': _depth_comparison,
+    'mixed': _mixed,
 }

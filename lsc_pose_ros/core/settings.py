@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-FEATURES = ('3dlsc', '2dsc', 'dcf')
+FEATURES = ('3dlsc', '2dsc', 'dcf', 'mixed')
 """The paper's feature, and its rivals; `core/features.py` says what they are."""
 
 SAMPLES = ('silhouette', 'body')

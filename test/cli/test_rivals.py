@@ -14,7 +14,7 @@ from lsc_pose_ros.data.recording import RecordingWriter
 SMALL = ['--points', '100', '--query-points', '60', '--trees', '2', '--depth', '9']
 JOINTS = ['--joints', 'head', 'neck', 'l_knee', '--seed', '3']
 KINDS = [('2dsc', 'silhouette'), ('2dsc', 'body'), ('dcf', 'silhouette'), ('dcf', 'body'),
-         ('3dlsc', 'body')]  # fmt: skip
+         ('mixed', 'silhouette'), ('3dlsc', 'body')]  # fmt: skip
 
 
 @pytest.fixture(scope='module')

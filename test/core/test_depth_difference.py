@@ -8,6 +8,8 @@ from lsc_pose_ros.core.depth_difference import (
     DEPTH_STEP,
     FAR,
     MIDDLE,
+    OFFSETS,
+    OffsetPool,
     compare_depths,
     offset_pool,
 )
@@ -16,7 +18,7 @@ from lsc_pose_ros.core.silhouette import Window
 CAMERA = Intrinsics(120.0, 125.0, 31.5, 23.5)
 
 
-def compare_twin(depth: np.ndarray, pixels: np.ndarray, pool: np.ndarray) -> np.ndarray:
+def compare_twin(depth: np.ndarray, pixels: np.ndarray, pool: OffsetPool) -> np.ndarray:
     """Shotton et al., eq. 1, probe by probe."""
 
     def probe(row: int, column: int, offset: np.ndarray) -> float:
@@ -28,11 +30,13 @@ def compare_twin(depth: np.ndarray, pixels: np.ndarray, pool: np.ndarray) -> np.
             return found if math.isfinite(found) else FAR
         return FAR
 
+    offsets = pool.offsets.astype(float)
+    pairs = list(zip(offsets[pool.first], offsets[pool.second], strict=True))
     differences = [
-        [probe(*pixel, pair[:2]) - probe(*pixel, pair[2:]) for pair in pool.astype(float)]
+        [probe(*pixel, one) - probe(*pixel, other) for one, other in pairs]
         for pixel in pixels.tolist()
     ]
-    levels = np.array(differences).reshape(len(pixels), len(pool)) / DEPTH_STEP + MIDDLE
+    levels = np.array(differences).reshape(len(pixels), len(pairs)) / DEPTH_STEP + MIDDLE
     return np.clip(levels, 0, 255)
 
 
@@ -46,10 +50,10 @@ def a_body(seed: int) -> np.ndarray:
     return depth
 
 
-def check(depth: np.ndarray, pool: np.ndarray) -> None:
+def check(depth: np.ndarray, pool: OffsetPool) -> None:
     pixels = np.argwhere(np.isfinite(depth)).astype(np.int32)[::7]
     levels = compare_depths(Window(depth, 3, -1), pixels, pool, CAMERA)
-    assert levels.shape == (len(pixels), len(pool))
+    assert levels.shape == (len(pixels), len(pool.first))
     apart = np.abs(levels - compare_twin(depth, pixels, pool))
     # Half a level by rounding; a place at the very border of two pixels may fall into either.
     assert (apart > 0.51).sum() <= 1e-3 * apart.size
@@ -78,7 +82,8 @@ def test_depth_differences_of_degenerate_bodies() -> None:
 def test_a_step_in_depth_is_seen_as_its_size() -> None:
     depth = np.full((20, 20), 2.0, np.float32)
     depth[:, 10:] = 2.4
-    right = np.array([[0.1, 0, 0, 0]], np.float32)  # 6 pixels at 2 m
+    offsets = np.array([[0, 0], [0.1, 0]], np.float32)  # 6 pixels at 2 m
+    right = OffsetPool(offsets, np.array([1], np.int32), np.array([0], np.int32))
     for column, expected in ((8, MIDDLE + 0.4 / DEPTH_STEP), (2, MIDDLE), (15, 255)):
         pixel = np.array([[10, column]], np.int32)
         assert compare_depths(Window(depth, 0, 0), pixel, right, CAMERA)[0, 0] == expected
@@ -97,17 +102,23 @@ def test_twice_as_far_an_offset_is_half_as_many_pixels() -> None:
 
 def test_the_pool_is_drawn_from_its_seed_and_fills_its_square() -> None:
     pool = offset_pool(1000, 0.5, 3)
-    assert pool.shape == (1000, 4)
-    assert pool.dtype == np.float32
-    np.testing.assert_array_equal(pool, offset_pool.__wrapped__(1000, 0.5, 3))
-    assert (pool != offset_pool(1000, 0.5, 4))[:, 0].all()
-    assert not pool[1::2, 2:].any()
-    drawn = np.concatenate([pool[:, :2].ravel(), pool[::2, 2:].ravel()])
-    assert np.abs(drawn).max() <= 0.5
-    np.testing.assert_allclose(np.quantile(drawn, [0.25, 0.5, 0.75]), [-0.25, 0, 0.25], atol=0.03)
-    # What a model carries is the seed: these numbers must never change.
+    again, other = offset_pool.__wrapped__(1000, 0.5, 3), offset_pool(1000, 0.5, 4)
+    for ours, same, different in zip(pool, again, other, strict=True):
+        np.testing.assert_array_equal(ours, same)
+        assert (ours != different).any()
+    assert pool.offsets.shape == (OFFSETS + 1, 2)
+    assert pool.offsets.dtype == np.float32
+    assert not pool.offsets[0].any()
+    assert np.abs(pool.offsets).max() <= 0.5
     np.testing.assert_allclose(
-        offset_pool(2, 1.0, 0),
-        [[0.688844, 0.515909, -0.158857, -0.482166], [0.022550, -0.190132, 0, 0]],
-        atol=1e-6,
+        np.quantile(pool.offsets[1:], [0.25, 0.5, 0.75]), [-0.25, 0, 0.25], atol=0.1
     )
+    assert not pool.second[1::2].any()
+    assert pool.second[::2].all()
+    assert np.unique(pool.first).tolist() == list(range(1, OFFSETS + 1))
+    # What a model carries is the seed: these numbers must never change.
+    few = offset_pool(2, 1.0, 0)
+    np.testing.assert_allclose(
+        few.offsets[1:3], [[0.688844, 0.515909], [-0.158857, -0.482166]], atol=1e-6
+    )
+    assert (few.first.tolist(), few.second.tolist()) == ([96, 84], [90, 0])

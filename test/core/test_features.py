@@ -15,7 +15,7 @@ def test_every_feature_describes_every_kind_of_points(feature, sample, people):
         feature=feature, sample=sample, points=120, query_points=50, offset_pairs=90
     )
     shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
-    assert feature_size(settings) == {'3dlsc': 360, '2dsc': 60, 'dcf': 90}[feature]
+    assert feature_size(settings) == {'3dlsc': 360, '2dsc': 60, 'dcf': 90, 'mixed': 450}[feature]
     assert shape.levels.shape == (50, feature_size(settings))
     assert shape.levels.dtype == np.uint8
     # No two points look alike, and every feature tells something.
@@ -27,7 +27,8 @@ def test_the_papers_feature_is_the_descriptor_of_the_silhouette(people):
     frame, settings = people[5], Settings(points=120)
     shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
     points = shape.silhouette.points
-    expected = describe(points, np.arange(120), mean_distance(points), settings.inner_radius)
+    reach = mean_distance(points) * settings.support_radius
+    expected = describe(points, np.arange(120), reach, settings.inner_radius)
     np.testing.assert_array_equal(shape.levels, expected)
 
 
