@@ -23,14 +23,15 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install test lint test-floor test-newest demo benchmarks clean
+.PHONY: help install test lint test-floor test-newest demo benchmarks benchmarks-live clean
 
 help:
-	@echo 'make demo     train on synthetic people, start the live node, check what it answers'
-	@echo 'make test     linters, types, import contract, tests on the oldest and newest numpy'
-	@echo 'make install  the environment $(VENV) alone, with the ROS wheels unless Jazzy is sourced'
-	@echo 'make benchmarks   the curves of benchmarks/, on a machine that does nothing else'
-	@echo 'make clean    remove all that these made'
+	@echo 'make demo             train on synthetic people, start the live node, check what it answers'
+	@echo 'make test             linters, types, import contract, tests on the oldest and newest numpy'
+	@echo 'make install          the environment $(VENV) alone, with the ROS wheels unless Jazzy is sourced'
+	@echo 'make benchmarks       the curves of benchmarks/, on a machine that does nothing else'
+	@echo 'make benchmarks-live  its table of the live node, in seven minutes'
+	@echo 'make clean            remove all that these made'
 
 install: $(VENV)/installed
 
@@ -59,6 +60,9 @@ demo: $(VENV)/installed
 
 benchmarks: $(VENV)/installed
 	$(BIN)/python benchmarks/curves.py
+
+benchmarks-live: $(VENV)/installed
+	$(BIN)/python benchmarks/live.py
 
 clean:
 	rm -rf $(VENV) $(FLOOR) demo build install log dist *.egg-info

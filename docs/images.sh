@@ -1,6 +1,8 @@
 #!/bin/sh
-# Draws the pictures of how_it_works.md anew: synthetic people, a small model, one frame.
-# Takes a few minutes; needs lsc_pose on the PATH, or its name in LSC_POSE.
+# Draws the pictures of how_it_works.md anew: synthetic people, a small model, one frame. And that
+# of README.md: what the live node answers in the demonstration.
+# Takes a few minutes; needs lsc_pose on the PATH, or its name in LSC_POSE, and a Python that has
+# the package and ROS 2, python3 or its name in PYTHON.
 set -eu
 
 pictures=$(cd "$(dirname "$0")" && pwd)/images
@@ -18,3 +20,6 @@ mkdir -p "$pictures"
 cp "$work/stages/"*.png "$pictures"
 $lsc_pose view "$work/people.mcap" -o "$pictures/sheet.png" --model "$work/model.npz" \
     --at 16 64 118 167 224 272
+
+${PYTHON:-python3} -m lsc_pose_ros.demo --directory "$work/demo"
+$lsc_pose view "$work/demo/live.mcap" -o "$pictures/live.png" --at 10 50 90 120 150 190

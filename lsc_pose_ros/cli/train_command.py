@@ -46,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ('trees', untrained.trees, 'trees of the forest'),
         ('depth', growth.depth, 'depth of a tree at most'),
         ('leaf-samples', growth.leaf_samples, 'samples of a leaf at least'),
+        ('split-features', growth.features, 'random features that a split is chosen from'),
     ):
         parser.add_argument(
             f'--{name}',
@@ -168,7 +169,11 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
             offset_seed=arguments.seed,
         ),
         trees=arguments.trees,
-        growth=GrowthSettings(depth=arguments.depth, leaf_samples=arguments.leaf_samples),
+        growth=GrowthSettings(
+            depth=arguments.depth,
+            leaf_samples=arguments.leaf_samples,
+            features=arguments.split_features,
+        ),
         criterion=arguments.criterion,
         seed=arguments.seed,
         memory=arguments.memory * GIBIBYTE,

@@ -10,7 +10,7 @@ from lsc_pose_ros.ros.gathering import Gathering, PairingSettings
 from lsc_pose_ros.ros.messages import NANOSECONDS, AnyImage, Pair, nanoseconds
 from lsc_pose_ros.ros.parameters import Parameters
 from lsc_pose_ros.ros.reports import Reports
-from lsc_pose_ros.ros.subscription import Subscribed, Wanted
+from lsc_pose_ros.ros.subscription import IMAGE_QUEUE_DEPTH, Subscribed, Wanted
 from lsc_pose_ros.ros.watch import Counters, TopicNames
 
 # How often publishers are looked for, seconds.
@@ -107,10 +107,14 @@ class Inputs:
     def _image(self, topic: str, parameter: str, transport: str) -> Wanted:
         take = self._take_depth if parameter == 'depth_transport' else self._take_mask
         if transport == 'raw':
-            return Wanted(topic, Image, take, transport_parameter=parameter)
-        # As image_transport names it: the topic, remapped, and then the transport.
-        topic = f'{self._node.resolve_topic_name(topic)}/{transport}'
-        return Wanted(topic, CompressedImage, take, transport_parameter=parameter)
+            kind: type[AnyImage] = Image
+        else:
+            kind = CompressedImage
+            # As image_transport names it: the topic, remapped, and then the transport.
+            topic = f'{self._node.resolve_topic_name(topic)}/{transport}'
+        return Wanted(
+            topic, kind, take, transport_parameter=parameter, queue_depth=IMAGE_QUEUE_DEPTH
+        )
 
     def _take_depth(self, image: AnyImage) -> None:
         self.gathering.add_depth(nanoseconds(image.header.stamp), image)

@@ -46,6 +46,11 @@ class Listener:
                 node.create_subscription(kind, topic, keep, _QUEUE_DEPTH, raw=True)
             )
 
+    @property
+    def has_publishers(self) -> bool:
+        """Whether any topic has a publisher."""
+        return any(each.get_publisher_count() for each in self._subscriptions)
+
     def wait_for_publishers(self, seconds: float) -> bool:
         """Wait until each topic has a publisher; return whether it has within `seconds`."""
         return _wait_until(

@@ -203,7 +203,7 @@ DECLARATIONS: dict[str, Declaration] = {
     ),
     'minimum_confidence': Declaration(
         0.0,
-        'Joints below this confidence are left out of markers and transforms.',
+        'Joints below this confidence, a probability, are left out of markers and transforms.',
         lowest=0.0,
         highest=1.0,
         change=ALWAYS,

@@ -11,6 +11,12 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.node import PoseNode
 
+# Seconds after which one thread lets another go on, a tenth of Python's own: the worker, whose
+# frame is to be answered, otherwise waits as long for the thread that receives messages. At
+# 640x480 and 30 Hz on two busy cores, the 95th percentile of latency was 10.8 ms instead of 11.5
+# (three runs each, all of them lower), and the processor's load the same.
+_SWITCH_INTERVAL = 0.0005
+
 
 def run_node(words: list[str] | None = None) -> None:
     """Run the node until SIGINT or SIGTERM.
@@ -22,6 +28,7 @@ def run_node(words: list[str] | None = None) -> None:
         InputError: an argument, a parameter or the model cannot be used.
     """
     told_to_stop = _note_signals()
+    sys.setswitchinterval(_SWITCH_INTERVAL)
     try:
         rclpy.init(args=words)
     except RuntimeError as error:  # what all of rclpy's own errors are

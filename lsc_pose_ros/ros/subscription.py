@@ -26,6 +26,9 @@ _RELIABILITIES = {
 # Enough for a burst: the callbacks only pass the messages on, so none waits here for long.
 _QUEUE_DEPTH = 10
 
+IMAGE_QUEUE_DEPTH = 4
+"""For images: of 640x480 and faster than they can be taken, ten each held 8 MB more."""
+
 
 class Wanted(NamedTuple):
     """What to subscribe.
@@ -36,6 +39,7 @@ class Wanted(NamedTuple):
         take: called with each message.
         latched: whether what was published before is wanted, too, where publishers keep it.
         transport_parameter: the parameter that decides on the type of the messages, if any.
+        queue_depth: how many messages wait to be taken.
     """
 
     topic: str
@@ -43,6 +47,7 @@ class Wanted(NamedTuple):
     take: Callable[[Any], None]
     latched: bool = False
     transport_parameter: str = ''
+    queue_depth: int = _QUEUE_DEPTH
 
 
 class Subscribed:
@@ -71,8 +76,9 @@ class Subscribed:
         self._profile: QoSProfile | None = None
         self._subscription: Subscription | None = None
         if not self._automatic:
-            profile = QoSProfile(depth=_QUEUE_DEPTH, reliability=_RELIABILITIES[reliability])
-            self._subscribe(profile)
+            self._subscribe(
+                QoSProfile(depth=wanted.queue_depth, reliability=_RELIABILITIES[reliability])
+            )
 
     def look(self) -> None:
         """Look at the publishers; subscribe, or subscribe anew, as suits them."""
@@ -81,7 +87,7 @@ class Subscribed:
         if len(suitable) < len(publishers):
             self._tell_wrong_type(publishers)
         if self._automatic and suitable:
-            profile = _profile_for(suitable, latched=self._wanted.latched)
+            profile = _profile_for(suitable, self._wanted)
             if profile != self._profile:
                 self._subscribe(profile)
 
@@ -144,15 +150,15 @@ class Subscribed:
         )
 
 
-def _profile_for(publishers: Sequence[TopicEndpointInfo], *, latched: bool) -> QoSProfile:
+def _profile_for(publishers: Sequence[TopicEndpointInfo], wanted: Wanted) -> QoSProfile:
     """Return the most that all of `publishers` offer."""
     offered = [each.qos_profile for each in publishers]
     reliable = all(each.reliability == QoSReliabilityPolicy.RELIABLE for each in offered)
     kept = all(each.durability == QoSDurabilityPolicy.TRANSIENT_LOCAL for each in offered)
     return QoSProfile(
-        depth=_QUEUE_DEPTH,
+        depth=wanted.queue_depth,
         reliability=_RELIABILITIES['reliable' if reliable else 'best_effort'],
         durability=QoSDurabilityPolicy.TRANSIENT_LOCAL
-        if latched and kept
+        if wanted.latched and kept
         else QoSDurabilityPolicy.VOLATILE,
     )

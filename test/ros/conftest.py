@@ -4,10 +4,12 @@ import importlib.util
 
 if importlib.util.find_spec('rclpy') is not None:
     from live_ros import (  # noqa: F401
+        acquaintances,
         begin_node,
         camera,
         corner,
         ear,
+        meeting,
         probe,
         remote,
         start,

@@ -6,8 +6,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 import rclpy
@@ -70,6 +71,7 @@ class Program:
 
     def __init__(self, words: list[str], log: Path, environment: Mapping[str, str]) -> None:
         self._log = log
+        self._forgotten = 0
         with log.open('wb') as output:
             self._process = subprocess.Popen(
                 [sys.executable, *words],
@@ -85,7 +87,11 @@ class Program:
 
     @property
     def output(self) -> str:
-        return self._log.read_text()
+        return self._log.read_text()[self._forgotten :]
+
+    def forget(self) -> None:
+        """Leave out of the output what is there."""
+        self._forgotten = len(self._log.read_text())
 
     def says(self, text: str, seconds: float = TIMEOUT) -> bool:
         """Wait for `text` in the output; return whether it came."""
@@ -125,6 +131,11 @@ class Camera:
         assert wait_until(lambda: all(each.get_subscription_count() for each in publishers))
         time.sleep(0.3)
 
+    @property
+    def is_alone(self) -> bool:
+        publishers = (self.depth, self.camera_info, self.mask)
+        return not any(each.get_subscription_count() for each in publishers)
+
     def send(self, frame: Frame) -> None:
         self.send_depth(frame)
         self.send_mask(frame)
@@ -149,6 +160,10 @@ class Ear:
 
     def wait_for_node(self) -> None:
         assert self._listener.wait_for_publishers(TIMEOUT)
+
+    @property
+    def is_alone(self) -> bool:
+        return not self._listener.has_publishers
 
     def of(self, topic: str) -> list[bytes]:
         return [each.data for each in list(self._listener.received) if each.topic == topic]
@@ -247,6 +262,15 @@ class Remote:
         return client
 
 
+class Meeting(NamedTuple):
+    """A node, a camera and an ear that have found each other."""
+
+    node: Program
+    camera: Camera
+    ear: Ear
+    remote: Remote
+
+
 @pytest.fixture(scope='session', autouse=True)
 def corner() -> dict[str, str]:
     """The environment of this test run's ROS programs, this one's too."""
@@ -260,6 +284,12 @@ def corner() -> dict[str, str]:
 @pytest.fixture
 def probe() -> Iterator[Node]:
     """A node of the test's own."""
+    with _probe() as node:
+        yield node
+
+
+@contextmanager
+def _probe() -> Iterator[Node]:
     context = Context()
     rclpy.init(args=[], context=context)
     node = Node('probe', context=context, use_global_arguments=False)
@@ -297,6 +327,49 @@ def start(corner: dict[str, str], tmp_path: Path) -> Iterator[Callable[..., Prog
     yield begin
     for program in programs:
         program.kill()
+
+
+@pytest.fixture(scope='module')
+def acquaintances(
+    corner: dict[str, str], small_model_file: Path, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Meeting]:
+    """A node with default parameters, inactive, for the tests of a module that do not end it.
+
+    It takes programs of ROS seconds to find each other. These have a domain of their own, so that
+    the module's other tests do not meet them.
+    """
+    with _probe():  # the domain that all others use is in use
+        environment = corner | {'ROS_DOMAIN_ID': isolated_environment()['ROS_DOMAIN_ID']}
+    assert environment['ROS_DOMAIN_ID'] != corner['ROS_DOMAIN_ID']
+    words = ['--ros-args', '-p', f'model:={small_model_file}', '-p', 'autostart:=false']
+    log = tmp_path_factory.mktemp('shared') / 'node.log'
+    with ExitStack() as stack:
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setenv('ROS_DOMAIN_ID', environment['ROS_DOMAIN_ID'])
+            node = stack.enter_context(_probe())
+            listener = stack.enter_context(open_listener(ANSWERS))
+        program = Program(['-m', 'lsc_pose_ros.ros.main', *words], log, environment)
+        try:
+            meeting = Meeting(program, Camera(node), Ear(listener), Remote(node))
+            assert meeting.remote.change('configure'), program.output
+            yield meeting
+        finally:
+            program.kill()
+
+
+@pytest.fixture
+def meeting(acquaintances: Meeting) -> Iterator[Meeting]:
+    """The node that the module shares, activated for this test: nothing of before is left."""
+    node, camera, ear, remote = acquaintances
+    ear.forget()
+    node.forget()
+    assert remote.change('activate'), node.output
+    assert node.says('ready'), node.output
+    camera.wait_for_node()
+    ear.wait_for_node()
+    yield acquaintances
+    assert remote.change('deactivate'), node.output
+    assert wait_until(lambda: camera.is_alone and ear.is_alone)
 
 
 @pytest.fixture

@@ -16,6 +16,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import rclpy
+from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
@@ -49,6 +50,19 @@ def tell(text: str) -> None:
     sys.stdout.flush()
 
 
+def has_subscriber(node: Node, topic: str) -> bool:
+    """Whether our publisher of a topic has found a subscriber, which may not have found it."""
+    return any(
+        each.topic_name == topic and each.get_subscription_count() for each in node.publishers
+    )
+
+
+def wait_until_received(node: Node) -> None:
+    """Wait for the subscribers: one that has yet to find its publisher gets nothing of a dead."""
+    for publisher in node.publishers:
+        publisher.wait_for_all_acked(Duration(seconds=60))
+
+
 def main() -> int:
     options = json.loads(sys.argv.pop(1))
     rclpy.init(args=sys.argv)
@@ -69,7 +83,7 @@ def main() -> int:
     counted = {'depth': 0, 'pairs': 0}
     diagnostics = Diagnostics(node, lambda: Counters(**counted))
     tell('open')
-    while not all(node.count_subscribers(topic) for topic in options['topics']):
+    while not all(has_subscriber(node, topic) for topic in options['topics']):
         rclpy.spin_once(node, timeout_sec=0.02)
     time.sleep(0.3)
 
@@ -90,6 +104,7 @@ def main() -> int:
             counted['depth'] += 1
             diagnostics.measuring.failed()
         elif options.get('closes'):
+            wait_until_received(node)
             outputs.close()
             diagnostics.close()
             tell('closed')

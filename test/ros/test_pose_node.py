@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Camera, Ear, Program, Remote, generate, wait_until
+from live_ros import Camera, Ear, Meeting, Program, Remote, generate, wait_until
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CompressedImage, Image, PointField
@@ -95,15 +95,9 @@ def test_every_frame_is_answered_as_offline(
     assert 'ERROR' not in node.output
 
 
-def test_messages_are_as_promised(
-    start_node: Callable[..., Program],
-    camera: Camera,
-    ear: Ear,
-    pairs: list[Frame],
-    model: Model,
-) -> None:
-    start_node(marker_lifetime=1.5)
-    meet(camera, ear)
+def test_messages_are_as_promised(meeting: Meeting, pairs: list[Frame], model: Model) -> None:
+    _, camera, ear, remote = meeting
+    assert not remote.set('marker_lifetime', 1.5)
     both, nobody = pairs[0], pairs[2]._replace(labels=np.full_like(pairs[0].labels, NO_BODY))
     only_second = pairs[1]._replace(labels=np.where(pairs[1].labels == 2, 2, NO_BODY))
     for count, frame in enumerate((both, only_second, nobody), 1):
@@ -144,10 +138,9 @@ def test_messages_are_as_promised(
 
 
 def test_person_who_is_hardly_seen_is_nan_without_markers(
-    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+    meeting: Meeting, frames: list[Frame]
 ) -> None:
-    start_node()
-    meet(camera, ear)
+    _, camera, ear, _ = meeting
     labels = np.full_like(frames[0].labels, NO_BODY)
     labels[50:53, 70:73] = 4
     camera.send(frames[0]._replace(labels=labels))
@@ -161,14 +154,9 @@ def test_person_who_is_hardly_seen_is_nan_without_markers(
 
 
 def test_mask_slower_and_later_than_depth(
-    start_node: Callable[..., Program],
-    camera: Camera,
-    ear: Ear,
-    frames: list[Frame],
-    model: Model,
+    meeting: Meeting, frames: list[Frame], model: Model
 ) -> None:
-    start_node()
-    meet(camera, ear)
+    _, camera, ear, _ = meeting
     delay = 6
     masked = frames[: len(frames) - delay : 3]
     for number, frame in enumerate(frames):
@@ -184,10 +172,9 @@ def test_mask_slower_and_later_than_depth(
 
 
 def test_bad_messages_are_named_and_the_next_frame_is_answered(
-    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+    meeting: Meeting, frames: list[Frame]
 ) -> None:
-    node = start_node()
-    meet(camera, ear)
+    node, camera, ear, _ = meeting
     good = frames[0]
 
     camera.depth.publish(stamped(Image(encoding='rgb8', height=1, width=1), frames[1].stamp))
@@ -214,10 +201,9 @@ def stamped(image: Image, stamp: int) -> Image:
 
 
 def test_same_trouble_is_not_logged_with_every_frame(
-    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+    meeting: Meeting, frames: list[Frame]
 ) -> None:
-    node = start_node()
-    meet(camera, ear)
+    node, camera, _, _ = meeting
     for frame in frames:
         camera.send(frame._replace(camera=frame.camera._replace(fx=0.0)))
         time.sleep(0.03)
@@ -226,10 +212,9 @@ def test_same_trouble_is_not_logged_with_every_frame(
 
 
 def test_recording_that_is_played_twice_is_answered_twice(
-    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+    meeting: Meeting, frames: list[Frame]
 ) -> None:
-    node = start_node()
-    meet(camera, ear)
+    node, camera, ear, _ = meeting
     for count, frame in enumerate([*frames, *frames], 1):
         camera.send(frame)
         assert ear.wait_for(count, 10), (count, node.output)

@@ -1,0 +1,67 @@
+# ruff: noqa: INP001 - a program, not a package
+"""What `live.py` has measured, as a table."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.pictures.canvas import write_beside
+
+_PATTERN = re.compile(r'(<!-- live -->\n).*(<!-- live end -->)', re.DOTALL)
+
+_HEAD = [
+    'images', 'answers/s', 'latency p50, ms', 'p95', 'max', 'CPU, % of a core', 'memory, MB',
+    'its growth', 'at most', 'sent', 'left out for newer', 'unaccounted for', 'load average',
+]  # fmt: skip
+
+
+def write_live_table(results: dict[str, Any], path: Path) -> None:
+    """Put the table of `results` where the page at `path` has that of the last time.
+
+    Raises:
+        InputError: the page has no place for it.
+    """
+    page = path.read_text(encoding='utf-8')
+    if not _PATTERN.search(page):
+        msg = f'{path}: no lines <!-- live --> and <!-- live end -->; write them for the table'
+        raise InputError(msg)
+    text = f'{_machine(results)}\n\n{live_table(results["runs"])}'
+    page = _PATTERN.sub(lambda found: f'{found[1]}\n{text}\n\n{found[2]}', page)
+    write_beside(path, page.encode())
+
+
+def live_table(runs: Sequence[dict[str, Any]]) -> str:
+    """Return a line for each of `runs`, in Markdown."""
+    lines = [_HEAD, ['---', *('---:' for _ in _HEAD[1:])], *(_row(run) for run in runs)]
+    return '\n'.join(f'| {" | ".join(line)} |' for line in lines)
+
+
+def _machine(results: dict[str, Any]) -> str:
+    machine = results['machine']
+    used = ', '.join(f'{name} {version}' for name, version in results['versions'].items())
+    return (
+        f'Measured on {results["date"]}: {machine["cores"]} cores of an {machine["processor"]}; '
+        f'{used}.'
+    )
+
+
+def _row(run: dict[str, Any]) -> list[str]:
+    latency, memory, load = run['latency_ms'], run['memory_mb'], run['load_average']
+    drops = run['drops']
+    return [
+        f'{run["size"]} at {run["rate"]:g} Hz, {run["seconds"]:g} s',
+        f'{run["answers_per_second"]:.1f}',
+        f'{latency["p50"]:.1f}',
+        f'{latency["p95"]:.1f}',
+        f'{latency["max"]:.0f}',
+        f'{100 * run["processor_share"]:.0f}',
+        f'{memory["end"]:.0f}',
+        f'{memory["typical_growth"]:.1f}',
+        f'{memory["largest_growth"]:.1f}',
+        str(run['sent']),
+        str(drops['replaced']) if drops else '-',
+        str(run['unaccounted']) if drops else '-',
+        f'{load["before"]:.1f}-{load["after"]:.1f}',
+    ]
