@@ -33,7 +33,7 @@ from lsc_pose_ros.learning.encoded_frame import EncodedFrame, decode_frame, enco
 from lsc_pose_ros.learning.train import TrainingSettings, train
 
 POINTS = range(100, 901, 100)
-QUERY_POINTS = (25, 50, 100, 150, 200, 300, 400)
+QUERY_POINTS = (25, 50, 100, 150, 180, 300, 400)
 TREES = (1, 2, 3, 4, 5)
 SIZES = ((160, 120), (320, 240), (640, 480), (1280, 720))
 BODIES = (1, 2, 3, 4)

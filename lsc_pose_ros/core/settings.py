@@ -42,7 +42,7 @@ class Settings(NamedTuple):
     feature: str = '3dlsc'
     sample: str = 'silhouette'
     points: int = 400
-    query_points: int = 200
+    query_points: int = 180
     fixed_scale: float = 0.0
     binning: str = 'shared'
     support_radius: float = 1.5
