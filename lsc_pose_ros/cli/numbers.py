@@ -20,17 +20,23 @@ def positive_int(word: str) -> int:
     return value
 
 
+def finite_float(word: str) -> float:
+    """Return the finite number that `word` stands for, NaN where it is none."""
+    try:
+        value = float(word)
+    except ValueError:
+        return math.nan
+    return value if math.isfinite(value) else math.nan
+
+
 def positive_float(word: str) -> float:
     """Return the finite number above 0 that `word` stands for.
 
     Raises:
         ArgumentTypeError: it is none.
     """
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and value > 0):
+    value = finite_float(word)
+    if not value > 0:  # NaN, too
         msg = f'{word!r} is not a number above 0'
         raise argparse.ArgumentTypeError(msg)
     return value
@@ -42,11 +48,8 @@ def float_from_zero(word: str) -> float:
     Raises:
         ArgumentTypeError: it is none.
     """
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
-    if not (math.isfinite(value) and value >= 0):
+    value = finite_float(word)
+    if not value >= 0:  # NaN, too
         msg = f'{word!r} is not a number from 0'
         raise argparse.ArgumentTypeError(msg)
     return value

@@ -2,7 +2,6 @@
 
 import argparse
 import itertools
-import math
 import sys
 import time
 from pathlib import Path
@@ -14,7 +13,7 @@ from lsc_pose_ros.cli.labelled_frames import (
     open_recordings,
     read_frames,
 )
-from lsc_pose_ros.cli.numbers import positive_float, positive_int
+from lsc_pose_ros.cli.numbers import finite_float, positive_float, positive_int
 from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.core.settings import FEATURES, SAMPLES, Settings
 from lsc_pose_ros.data.model_file import save_model
@@ -38,6 +37,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '-o', '--output', type=Path, required=True, metavar='MODEL', help='the model, e.g. me.npz'
     )
+    _add_forest_arguments(parser)
+    parser.add_argument(
+        '--joints',
+        nargs='+',
+        default=list(DEFAULT_JOINTS),
+        metavar='JOINT',
+        help="the joints to learn (default: the paper's 17: all but pelvis and feet)",
+    )
+    parser.add_argument(
+        '--memory',
+        type=positive_float,
+        default=8.0,
+        metavar='GIB',
+        help='take no more than so much, in GiB: of longer recordings, learn from fewer points a '
+        'person (default: %(default)s)',
+    )
+    _add_teacher_arguments(parser.add_mutually_exclusive_group())
+    parser.add_argument('--seed', type=int, default=0, help='of all that is drawn (default: 0)')
+    parser.add_argument('--json', type=Path, metavar='FILE', help='write sizes and times there')
+
+
+def _add_forest_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what decides how the points are described and the trees grown."""
     defaults, growth = Settings(), GrowthSettings()
     untrained = TrainingSettings(numbers_of(DEFAULT_JOINTS))
     for name, default, what in (
@@ -77,22 +99,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what the splits make small: the spread of the joints' offsets, or the paper's "
         "entropy of the joints' contributions (default: %(default)s)",
     )
-    parser.add_argument(
-        '--joints',
-        nargs='+',
-        default=list(DEFAULT_JOINTS),
-        metavar='JOINT',
-        help="the joints to learn (default: the paper's 17: all but pelvis and feet)",
-    )
-    parser.add_argument(
-        '--memory',
-        type=positive_float,
-        default=8.0,
-        metavar='GIB',
-        help='take no more than so much, in GiB: of longer recordings, learn from fewer points a '
-        'person (default: %(default)s)',
-    )
-    teachers = parser.add_mutually_exclusive_group()
+
+
+def _add_teacher_arguments(teachers: argparse._MutuallyExclusiveGroup) -> None:
+    """Add what confidence is learnt from: a part of the recordings, or others."""
+    untrained = TrainingSettings(numbers_of(DEFAULT_JOINTS))
     teachers.add_argument(
         '--hold-out',
         type=_share,
@@ -109,8 +120,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='learn from all people, and from those of other labelled recordings which '
         'confidence is right; best of people whom the model will not have seen',
     )
-    parser.add_argument('--seed', type=int, default=0, help='of all that is drawn (default: 0)')
-    parser.add_argument('--json', type=Path, metavar='FILE', help='write sizes and times there')
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -183,10 +192,7 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
 
 def _share(word: str) -> float:
     """Return the number from 0 to 0.5 that `word` stands for."""
-    try:
-        value = float(word)
-    except ValueError:
-        value = math.nan
+    value = finite_float(word)
     if not 0 <= value <= _LARGEST_SHARE:
         msg = f'{word!r} is not a number from 0 to {_LARGEST_SHARE:g}'
         raise argparse.ArgumentTypeError(msg)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.density import squared_distance
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.logarithm import log2_of_bits
 
@@ -59,7 +60,7 @@ def contributions(
     for s in range(points.shape[0]):
         total = 0.0
         for n in range(start[s], start[s + 1]):
-            squared = _squared(joints[person[s], joint[n]], points[s])
+            squared = squared_distance(joints[person[s], joint[n]], points[s])
             value[n, 0] = math.exp(-squared)
             total += value[n, 0]
         for n in range(start[s], start[s + 1]):
@@ -84,7 +85,7 @@ def offset_moments(
     for s in range(points.shape[0]):
         for n in range(start[s], start[s + 1]):
             place = joints[person[s], joint[n]]
-            weight = np.float32(math.exp(-_squared(place, points[s]) / (reach * reach)))
+            weight = np.float32(math.exp(-squared_distance(place, points[s]) / (reach * reach)))
             value[n, 0] = weight
             for axis in range(3):
                 value[n, 1 + axis] = weight * (place[axis] - points[s, axis])
@@ -103,22 +104,15 @@ def _in_reach(
         start[s + 1] = start[s]
         for j in range(joints.shape[1]):
             # False for NaN.
-            start[s + 1] += _squared(joints[person[s], j], points[s]) <= reach * reach
+            start[s + 1] += squared_distance(joints[person[s], j], points[s]) <= reach * reach
     joint = np.empty(start[-1], np.uint8)
     for s in range(points.shape[0]):
         n = start[s]
         for j in range(joints.shape[1]):
-            if _squared(joints[person[s], j], points[s]) <= reach * reach:
+            if squared_distance(joints[person[s], j], points[s]) <= reach * reach:
                 joint[n] = j
                 n += 1
     return start, joint
-
-
-@kernel
-def _squared(place: NDArray[np.float32], point: NDArray[np.float32]) -> np.float32:
-    dx, dy, dz = place[0] - point[0], place[1] - point[1], place[2] - point[2]
-    squared: np.float32 = dx * dx + dy * dy + dz * dz
-    return squared
 
 
 @kernel
