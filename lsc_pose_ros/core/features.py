@@ -1,7 +1,7 @@
 """What the forest can see of a point: the paper's feature and its rivals, by `Settings.feature`.
 
 - `3dlsc`: the 3-D Local Shape Context, 360 bins (`descriptor.py`). With `Settings.binning` each
-  point can count in one bin only (`nearest_bin.py`), which the paper measures in its Fig. 11.
+  point can count in one bin only (`plain/descriptor.py`), which the paper measures in its Fig. 11.
 - `2dsc`: the shape context in the image plane, 60 bins, radii in units of the mean distance of the
   points in the image (`shape_context_2d.py`).
 - `dcf`: depth differences at pairs of random offsets, `Settings.offset_pairs` of them, on the
@@ -28,8 +28,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.depth_difference import compare_depths, offset_pool
 from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE, describe, mean_distance
-from lsc_pose_ros.core.nearest_bin import describe_by_nearest_bin
-from lsc_pose_ros.core.plain.descriptor import quantise
+from lsc_pose_ros.core.plain.descriptor import describe_by_nearest_bin, quantise
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.core.shape_context_2d import SIZE, describe_in_image
 from lsc_pose_ros.core.silhouette import Silhouette

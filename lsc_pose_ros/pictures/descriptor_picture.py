@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import project
 from lsc_pose_ros.core.descriptor import AZIMUTH_BINS, RADIUS_BINS, ZENITH_BINS
-from lsc_pose_ros.core.nearest_bin import describe_by_nearest_bin
-from lsc_pose_ros.core.plain.descriptor import describe
+from lsc_pose_ros.core.plain.descriptor import describe, describe_by_nearest_bin
 from lsc_pose_ros.pictures.canvas import hide_axes, new_figure
 from lsc_pose_ros.pictures.colours import BORDER, EDGE, FILLING, MIDDLE, RIGHT
 from lsc_pose_ros.pictures.depth_image import draw_depth

@@ -8,8 +8,7 @@ import pytest
 
 from lsc_pose_ros.core.descriptor import AZIMUTH_BINS, RADIUS_BINS, ZENITH_BINS
 from lsc_pose_ros.core.estimator import find_shape
-from lsc_pose_ros.core.nearest_bin import describe_by_nearest_bin
-from lsc_pose_ros.core.plain.descriptor import quantise
+from lsc_pose_ros.core.plain.descriptor import describe_by_nearest_bin, quantise
 from lsc_pose_ros.core.settings import Settings
 
 DEGENERATE = {

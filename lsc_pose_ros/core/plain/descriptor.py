@@ -65,6 +65,30 @@ def describe(
         inner_radius: the inner limit of the first radius bin, as a share of `radius`; what is
             nearer counts there.
     """
+    return _histograms((points, centres), radius, inner_radius, shared=True)
+
+
+@kernel
+def describe_by_nearest_bin(
+    points: NDArray[np.float32], centres: NDArray[np.int64], radius: float, inner_radius: float
+) -> NDArray[np.float32]:
+    """Return the same without multi-binning: each point counts in one bin alone.
+
+    It counts in the bin whose centre is nearest in each dimension, that is, in the bin that it
+    lies in. The paper's Fig. 11 measures what the sharing of eq. 4 is good for against this.
+    Arguments as `describe`.
+    """
+    return _histograms((points, centres), radius, inner_radius, shared=False)
+
+
+@kernel
+def _histograms(
+    seen: tuple[NDArray[np.float32], NDArray[np.int64]],
+    radius: float,
+    inner_radius: float,
+    shared: bool,  # noqa: FBT001 - kernels take no keyword-only arguments
+) -> NDArray[np.float32]:
+    points, centres = seen
     histograms = np.zeros((centres.shape[0], DESCRIPTOR_SIZE), np.float32)
     per_log = RADIUS_BINS / -math.log(inner_radius)
     for row, i in enumerate(centres):
@@ -78,12 +102,13 @@ def describe(
             if squared > radius * radius or squared == 0:
                 continue
             distance = math.sqrt(squared)
-            _add(
-                histograms[row],
-                RADIUS_BINS + math.log(distance / radius) * per_log - 0.5,
-                math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi)) - 0.5,
-                math.acos(min(1.0, max(-1.0, dz / distance))) * (ZENITH_BINS / math.pi) - 0.5,
-            )
+            far = RADIUS_BINS + math.log(distance / radius) * per_log
+            azimuth = math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi))
+            zenith = math.acos(min(1.0, max(-1.0, dz / distance))) * (ZENITH_BINS / math.pi)
+            if shared:
+                _add(histograms[row], far - 0.5, azimuth - 0.5, zenith - 0.5)
+            else:
+                _add_to_one(histograms[row], far, azimuth, zenith)
             total += 1
         if total:
             histograms[row] /= np.float32(total)
@@ -107,6 +132,16 @@ def _add(histogram: NDArray[np.float32], radius: float, azimuth: float, zenith: 
             weight = radius_weight * azimuth_weight
             histogram[row + front] += weight * (1 - to_back)
             histogram[row + back] += weight * to_back
+
+
+@kernel
+def _add_to_one(
+    histogram: NDArray[np.float32], radius: float, azimuth: float, zenith: float
+) -> None:
+    """Add 1 to the bin around a place given in bins from the first bin's beginning."""
+    ring = min(max(math.floor(radius), 0), RADIUS_BINS - 1) * AZIMUTH_BINS
+    sector = (ring + math.floor(azimuth) % AZIMUTH_BINS) * ZENITH_BINS
+    histogram[sector + min(math.floor(zenith), ZENITH_BINS - 1)] += 1
 
 
 @kernel
