@@ -62,6 +62,12 @@ KEPT = (*_MIDDLE, *(f'{name}.L' for name in _SIDE), *(f'{name}.R' for name in _S
 # crown (its mesh_metadata/hm08_config.json).
 _HEAD_WIDTH, _HEAD_DEPTH, _HEAD_HEIGHT = (5399, 11998), (962, 5320), (791, 881)
 
+_SKULL = 0.65
+"""The head joint's share of the way from the chin to the crown: behind the eyes, in the skull."""
+
+# On the midline, front and back, where the torso joint is.
+_TRUNK_DEPTH = (4002, 4016, 4071, 4093)
+
 _PALM = 0.8
 """The hand joint's share of the way from the wrist to the knuckles."""
 
@@ -177,13 +183,17 @@ def _joint_places(
 ) -> dict[str, NDArray[np.float64]]:
     """Return where the joints of the vocabulary are.
 
-    Neck and torso are where the spine leaves the shoulders and half way up the back, the pelvis
-    lies between the hips; the head is in the middle of the box about it, the hand in the palm, the
-    foot under the instep. All others are heads of bones.
+    The neck is where the spine leaves the shoulders, the torso in the middle of the trunk half way
+    up the back, the pelvis between the hips; the head is in the middle of the skull, the hand in
+    the palm, the foot under the instep. All others are heads of bones.
     """
-    box = [vertices[list(pair)].mean(axis=0) for pair in (_HEAD_WIDTH, _HEAD_HEIGHT, _HEAD_DEPTH)]
     places = {name: heads[joint_carrier(name)] for name in JOINT_NAMES}
-    places['head'] = np.array([box[axis][axis] for axis in range(3)])
+    across, along = vertices[list(_HEAD_WIDTH)].mean(axis=0), vertices[list(_HEAD_DEPTH)]
+    chin, crown = vertices[list(_HEAD_HEIGHT)]
+    height = chin[1] + _SKULL * (crown[1] - chin[1])
+    places['head'] = np.array([across[0], height, along[:, 2].mean()])
+    middle = vertices[list(_TRUNK_DEPTH), 2].mean()
+    places['torso'] = np.array([*heads['spine02'][:2], middle])
     for side in ('L', 'R'):
         knuckles = np.mean([heads[f'finger{f}-1.{side}'] for f in range(2, 6)], axis=0)
         wrist, ankle = heads[f'wrist.{side}'], heads[f'foot.{side}']
