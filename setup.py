@@ -45,10 +45,10 @@ EXTRAS = {
 }
 
 
-def shared_files(folder: str) -> list[tuple[str, list[str]]]:
+def shared_files(folder: str, pattern: str = '*') -> list[tuple[str, list[str]]]:
     """Return the files below `folder`, grouped as setuptools wants them: by their target."""
     groups: dict[str, list[str]] = {}
-    for path in sorted(Path(folder).rglob('*')):
+    for path in sorted(Path(folder).rglob(pattern)):
         if path.is_file() and path.suffix != '.pyc':
             groups.setdefault(f'share/{PACKAGE}/{path.parent}', []).append(str(path))
     return list(groups.items())
@@ -72,7 +72,7 @@ setup(
         *shared_files('config'),
         *shared_files('launch'),
         *shared_files('bodies'),
-        *shared_files('models'),
+        *shared_files('models', '*.npz'),  # not the program that makes them
     ],
     install_requires=REQUIREMENTS,
     extras_require=EXTRAS,

@@ -28,6 +28,7 @@ from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.skeletons import Skeletons
 from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.data.synthetic.settings import sensor_of
 from lsc_pose_ros.learning.benchmark import summarise_times, time_frames, warm_up
 from lsc_pose_ros.learning.encoded_frame import EncodedFrame, decode_frame, encode_frame
 from lsc_pose_ros.learning.train import TrainingSettings, train
@@ -202,7 +203,7 @@ def time_together(
 
 def people(width: int, height: int, number: int = 1) -> list[EncodedFrame]:
     """Return the frames that are timed: the same vertical field of view at every size."""
-    vertical = math.tan(math.radians(0.5 * _TIMED.field_of_view)) * 0.75
+    vertical = math.tan(math.radians(0.5 * sensor_of(_TIMED).field_of_view)) * 0.75
     field_of_view = 2 * math.degrees(math.atan(vertical * width / height))
     settings = _TIMED._replace(
         width=width, height=height, people=number, field_of_view=field_of_view

@@ -37,7 +37,7 @@ SECONDS = 30.0
 SOAK_RATE = 120.0
 
 _HERE = Path(__file__).parent
-_SHOWN = SyntheticSettings(frames=60, seed=2, clip_length=60)
+_SHOWN = SyntheticSettings(frames=60, seed=2, clip_length=60, rate=30.0)
 
 
 def main() -> int:

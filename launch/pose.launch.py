@@ -82,7 +82,10 @@ def arguments() -> dict[str, tuple[str, str]]:
             str(config() / 'pose_node.yaml'),
             "file of parameters; the camera's and those given here have the last word",
         ),
-        'model': ('', 'model file; empty for what the file of parameters says'),
+        'model': (
+            '',
+            'model file, or the name of one in the package; empty: as the file of parameters says',
+        ),
         'segmentation': (
             '',
             "mask, background or nearest; empty: mask where its topic is named, or the files' way",

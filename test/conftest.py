@@ -76,12 +76,22 @@ def labelled_recording(
 
 
 @pytest.fixture(scope='session')
-def people() -> list[Frame]:
-    """Synthetic people to learn from: eight bodies in 240 small frames."""
-    settings = SyntheticSettings(
-        frames=240, seed=5, width=160, height=120, yaw=20.0, distance=(2.8, 3.4)
+def easy() -> SyntheticSettings:
+    """Small frames of people who face the camera, of which a few hundred teach enough."""
+    return SyntheticSettings(
+        width=160,
+        height=120,
+        yaw=20.0,
+        distance=(2.8, 3.4),
+        camera_height=(0.7, 1.3),
+        camera_tilt=(-8.0, 8.0),
     )
-    return list(synthetic_frames(settings))
+
+
+@pytest.fixture(scope='session')
+def people(easy: SyntheticSettings) -> list[Frame]:
+    """Synthetic people to learn from: eight bodies in 240 small frames."""
+    return list(synthetic_frames(easy._replace(frames=240, seed=5, clip_length=30)))
 
 
 @pytest.fixture(scope='session')
@@ -105,3 +115,41 @@ def small_model_file(small_model: Model, tmp_path_factory: pytest.TempPathFactor
     path = tmp_path_factory.mktemp('model') / 'small.npz'
     save_model(path, small_model)
     return path
+
+
+@pytest.fixture(scope='session')
+def all_round(easy: SyntheticSettings) -> SyntheticSettings:
+    """Small frames of people from all sides."""
+    return easy._replace(yaw=180.0, noise='none', distance=(2.2, 3.0))
+
+
+@pytest.fixture(scope='session')
+def all_round_people(all_round: SyntheticSettings) -> list[Frame]:
+    """People from all sides to learn from: two hundred in 400 small frames."""
+    return list(synthetic_frames(all_round._replace(frames=400, seed=5, clip_length=2)))
+
+
+@pytest.fixture(scope='session')
+def facing_model(all_round_people: list[Frame], training: TrainingSettings) -> Model:
+    """A model trained on `all_round_people` that tells where people face."""
+    return train(all_round_people, training._replace(facing=True), {'recordings': 'all round'})
+
+
+@pytest.fixture(scope='session')
+def facing_model_file(facing_model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of `facing_model`; not to be changed."""
+    path = tmp_path_factory.mktemp('model') / 'facing.npz'
+    save_model(path, facing_model)
+    return path
+
+
+@pytest.fixture
+def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The folder of the models that come with the package, which is empty at first."""
+    share = tmp_path / 'share'
+    (share / 'models').mkdir(parents=True)
+    source = Path(__file__).resolve().parents[1]
+    for folder in ('bodies', 'config', 'launch'):
+        (share / folder).symlink_to(source / folder)
+    monkeypatch.setattr('lsc_pose_ros.resources._shares', lambda: iter([share]))
+    return share / 'models'

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.resources import default_model, resource
+from lsc_pose_ros.resources import default_model, find_model, resource, shipped_models
 
 
 @pytest.fixture
@@ -23,7 +23,7 @@ def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]
 
 def put(share: Path, *parts: str) -> Path:
     path = share.joinpath(*parts)
-    path.parent.mkdir(parents=True)
+    path.parent.mkdir(parents=True, exist_ok=True)
     path.touch()
     return path
 
@@ -59,3 +59,42 @@ def test_without_a_default_model(
     assert places
     with pytest.raises(InputError, match='lsc_pose train'):
         default_model()
+
+
+def test_models_have_names(places: tuple[Path, Path], monkeypatch: pytest.MonkeyPatch) -> None:
+    workspace, environment = places
+    front = put(environment, 'models', 'front.npz')
+    put(environment, 'models', 'default.npz')
+    default = put(workspace, 'models', 'default.npz')
+    put(workspace, 'models', 'README.md')
+    monkeypatch.setattr('lsc_pose_ros.resources.__file__', '/nowhere/a/b.py')
+    assert shipped_models() == {'default': default, 'front': front}
+    assert find_model() == find_model('') == find_model('default') == default
+    assert find_model('front') == find_model(Path('front')) == front
+
+
+def test_a_file_goes_before_a_model_of_the_package_of_that_name(
+    shipped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (shipped / 'front.npz').touch()
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / 'front').mkdir()  # a folder is no model
+    assert find_model('front') == shipped / 'front.npz'
+    (tmp_path / 'front').rmdir()
+    (tmp_path / 'front').touch()
+    assert find_model('front') == Path('front')
+
+
+def test_what_looks_like_a_path_is_one(shipped: Path) -> None:
+    (shipped / 'front.npz').touch()
+    for path in ('front.npz', 'folder/front', '/front', '../front'):
+        assert find_model(path) == Path(path)
+
+
+def test_an_unknown_name_is_answered_with_those_that_there_are(shipped: Path) -> None:
+    with pytest.raises(InputError, match=r'no model file back, .* no model does'):
+        find_model('back')
+    for name in ('front', 'default'):
+        (shipped / f'{name}.npz').touch()
+    with pytest.raises(InputError, match='its models are default, front'):
+        find_model('back')

@@ -103,9 +103,12 @@ from lsc_pose_ros.data.compressed_depth import decode_compressed_depth, encode_c
 
 recording, model = sys.argv[1] + '/people.mcap', sys.argv[1] + '/model.npz'
 for words in (
+    ['synth', recording, '--frames', '9', '--sensor', 'azure', '--fps', '15', '--background'],
     ['synth', recording, '--frames', '60'],
     ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--feature', '2dsc'],
     ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--feature', 'dcf'],
+    ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--facing'],
+    ['evaluate', model, recording],
     ['train', recording, '-o', model, '--trees', '1', '--depth', '3'],
     ['evaluate', model, recording],
     ['evaluate', model, recording, '--no-graph'],
@@ -149,6 +152,14 @@ def test_no_frame_compiles_anything_after_the_warm_up(
     report = json.loads(run(COUNT + LIVE, small_model_file, recording, int(graph))[-1])
     assert report['seen'] == [0, 6, 6]
     assert report['before'] >= 10
+    assert report['later'] == []
+
+
+def test_a_model_that_tells_facings_is_warmed_up_too(
+    facing_model_file: Path, recording: Path
+) -> None:
+    report = json.loads(run(COUNT + LIVE, facing_model_file, recording, 1)[-1])
+    assert report['seen'] == [0, 6, 6]
     assert report['later'] == []
 
 

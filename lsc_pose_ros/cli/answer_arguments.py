@@ -1,8 +1,8 @@
 """The arguments of how a recording is answered: the node's parameters, by the same names."""
 
 import argparse
-from pathlib import Path
 
+from lsc_pose_ros.cli.model_argument import add_model_argument
 from lsc_pose_ros.cli.numbers import float_from_zero, positive_float, positive_int
 from lsc_pose_ros.core.estimator import Estimator
 from lsc_pose_ros.core.segmentation import (
@@ -16,7 +16,7 @@ from lsc_pose_ros.core.sequence import Sequence, SequenceSettings
 from lsc_pose_ros.data.markers import LIFETIME_NS, MarkerStyle
 from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.resources import default_model
+from lsc_pose_ros.resources import find_model
 
 _TRACKED = 'tracked'
 _BODY_IDS = (MASK, _TRACKED)
@@ -29,9 +29,7 @@ _FEWEST_QUERY_POINTS = 10
 
 def add_answer_arguments(group: argparse._ArgumentGroup) -> None:
     """Add all arguments of the answers to `group`."""
-    group.add_argument(
-        '--model', type=Path, metavar='MODEL', help='(default: the one that comes with lsc_pose)'
-    )
+    add_model_argument(group)
     group.add_argument(
         '--no-graph',
         dest='graph',
@@ -55,7 +53,7 @@ def sequence_of(arguments: argparse.Namespace) -> Sequence:
     Raises:
         InputError: the model cannot be used, or has fewer points than shall vote.
     """
-    model = load_model(arguments.model or default_model())
+    model = load_model(find_model(arguments.model))
     settings = model.settings
     if arguments.query_points is not None:
         if not _FEWEST_QUERY_POINTS <= arguments.query_points <= settings.points:

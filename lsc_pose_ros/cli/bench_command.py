@@ -9,6 +9,7 @@ from lsc_pose_ros.cli.frame_choice import spread
 from lsc_pose_ros.cli.image_size import image_size
 from lsc_pose_ros.cli.json_file import write_json
 from lsc_pose_ros.cli.labelled_frames import read_frames
+from lsc_pose_ros.cli.model_argument import add_model_argument
 from lsc_pose_ros.cli.numbers import positive_int
 from lsc_pose_ros.cli.progress import progress
 from lsc_pose_ros.cli.topic_arguments import add_topic_arguments, topics_of
@@ -18,12 +19,13 @@ from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.data.recording import open_frames
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.data.synthetic.generator import synthetic_frames
+from lsc_pose_ros.data.synthetic.settings import SyntheticSettings, sensor_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.benchmark import time_frames, warm_up
 from lsc_pose_ros.learning.encoded_frame import EncodedFrame, encode_frame
 from lsc_pose_ros.learning.train import TrainingSettings, train
-from lsc_pose_ros.resources import default_model
+from lsc_pose_ros.resources import DEFAULT_MODEL, find_model, shipped_models
 
 HELP = 'time every stage, beside the plain kernels'
 
@@ -32,6 +34,8 @@ TRAINING = SyntheticSettings(frames=300, seed=1, clip_length=3)
 
 TIMED = SyntheticSettings(frames=60, seed=2, clip_length=2)
 """What is timed where there is no recording: other people, two frames of each."""
+
+_SENSOR = sensor_of(TIMED)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,13 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='RECORDING',
         help='frames to time: an .mcap or .db3 file, or a bag folder (default: synthetic people)',
     )
-    parser.add_argument(
-        '--model',
-        type=Path,
-        metavar='MODEL',
-        help='default: the one that comes with the package; where none does, a small one is '
-        'trained on synthetic people',
-    )
+    add_model_argument(parser, 'where none does, a small one is trained on synthetic people')
     parser.add_argument(
         '--frames',
         type=positive_int,
@@ -61,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--size',
         type=image_size,
         metavar='WIDTHxHEIGHT',
-        help=f'of the synthetic images (default: {TIMED.width}x{TIMED.height})',
+        help=f'of the synthetic images (default: {_SENSOR.width}x{_SENSOR.height})',
     )
     parser.add_argument(
         '--people',
@@ -125,7 +123,7 @@ def _recorded(arguments: argparse.Namespace) -> list[EncodedFrame]:
 
 
 def _synthetic(arguments: argparse.Namespace) -> list[EncodedFrame]:
-    width, height = arguments.size or (TIMED.width, TIMED.height)
+    width, height = arguments.size or (_SENSOR.width, _SENSOR.height)
     settings = TIMED._replace(
         frames=arguments.frames,
         people=arguments.people or TIMED.people,
@@ -138,12 +136,9 @@ def _synthetic(arguments: argparse.Namespace) -> list[EncodedFrame]:
 
 def _model(arguments: argparse.Namespace) -> tuple[Model, str]:
     """Return the model, and where it comes from."""
-    path = arguments.model
-    if path is None:
-        try:
-            path = default_model()
-        except InputError:
-            return _trained(arguments)
+    if not arguments.model and DEFAULT_MODEL not in shipped_models():
+        return _trained(arguments)
+    path = find_model(arguments.model)
     return load_model(path), str(path)
 
 

@@ -2,32 +2,40 @@
 
 import argparse
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from lsc_pose_ros.cli.json_file import write_json
-from lsc_pose_ros.cli.labelled_frames import (
-    add_recording_arguments,
-    open_recordings,
-    read_frames,
+from lsc_pose_ros.cli.evaluation_results import (
+    Asked,
+    Measured,
+    evaluation_facts,
+    evaluation_results,
+    evaluation_table,
 )
+from lsc_pose_ros.cli.json_file import write_json
+from lsc_pose_ros.cli.labelled_frames import open_recordings, read_frames
+from lsc_pose_ros.cli.model_argument import add_model_argument
 from lsc_pose_ros.cli.numbers import positive_float, positive_int
+from lsc_pose_ros.cli.topic_arguments import add_topic_arguments
 from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.core.joints import numbers_of
 from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.learning.evaluate import Evaluation, Summary, evaluate, summarise
-from lsc_pose_ros.learning.reliability import Reliability, measure_reliability
+from lsc_pose_ros.data.recording import FrameReader
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.evaluate import evaluate, select, summarise
+from lsc_pose_ros.learning.offsets import fit_offsets
+from lsc_pose_ros.resources import find_model
 
-HELP = 'measure a model on labelled recordings'
+HELP = """Measure a model on labelled recordings: the model that the first word or --model names,
+or else the one that comes with the package."""
 
 PAPER_TOLERANCE = 0.1
+
+# By these the first word is told from a model's.
+_RECORDING_SUFFIXES = {'.mcap', '.db3', '.zstd'}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments to `parser`."""
-    parser.add_argument('model', type=Path, metavar='MODEL', help='a model that `train` wrote')
-    add_recording_arguments(parser)
+    _add_what_is_measured(parser)
     parser.add_argument(
         '--no-graph',
         dest='graph',
@@ -47,10 +55,46 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='METRES',
         help='how far a joint may be off to count as found (default: %(default)s)',
     )
+    parser.add_argument(
+        '--joints',
+        nargs='+',
+        metavar='JOINT',
+        help='count these joints only (default: all that the model estimates)',
+    )
+    parser.add_argument(
+        '--offsets-from',
+        type=Path,
+        nargs='+',
+        metavar='RECORDING',
+        help='also give the results with a constant offset added to each joint: what these other '
+        'labelled recordings show it to be off by, in the camera frame, as the median; for labels '
+        'whose joints lie elsewhere in the body',
+    )
     parser.add_argument('--json', type=Path, metavar='FILE', help='write the results there')
     parser.add_argument(
         '--report', type=Path, metavar='DIR', help='write a page with plots and pictures there'
     )
+    add_topic_arguments(parser)
+
+
+def _add_what_is_measured(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        'first',
+        metavar='[MODEL]',
+        help='a model that `train` wrote, or the name of one that comes with the package; it may '
+        'be left out before recordings whose names end in .mcap or .db3, and before bag folders',
+    )
+    recordings = parser.add_argument(
+        'recordings',
+        type=Path,
+        nargs='+',
+        default=[],
+        metavar='RECORDING',
+        help='a labelled recording: an .mcap or .db3 file, or a bag folder',
+    )
+    # The first word may be the only recording.
+    recordings.required = False
+    add_model_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -59,16 +103,18 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the model or a recording cannot be used, or nothing is labelled.
     """
-    model = load_model(arguments.model)
+    path, recordings = _model_and_recordings(arguments)
+    model = load_model(path)
     if arguments.query_points:
         settings = model.settings._replace(query_points=arguments.query_points)
         model = model._replace(settings=settings)
     estimator = Estimator(model, graph=arguments.graph)
-    readers = open_recordings(arguments)
-    evaluation = evaluate(estimator, read_frames(readers, 'evaluating'))
-    summary = summarise(evaluation, arguments.tolerance)
-    results = _results(arguments, model, evaluation, summary)
-    print(_table(results, summary))
+    readers = open_recordings(arguments, recordings)
+    others = open_recordings(arguments, arguments.offsets_from or [])
+    measured = _measure(arguments, estimator, readers, others)
+    asked = Asked(path, recordings, arguments.offsets_from or [], arguments.tolerance)
+    results = evaluation_results(asked, estimator, measured)
+    print(evaluation_table(results))
     if arguments.json:
         write_json(arguments.json, results)
     if arguments.report:
@@ -79,78 +125,42 @@ def run(arguments: argparse.Namespace) -> int:
             arguments.report,
             estimator,
             readers,
-            (evaluation, summary, arguments.tolerance),
-            _facts(results),
+            (measured.evaluation, measured.summary, arguments.tolerance),
+            evaluation_facts(results),
         )
         print(page)
     return 0
 
 
-def _results(
+def _model_and_recordings(arguments: argparse.Namespace) -> tuple[Path, list[Path]]:
+    """Return the model's path and the recordings that the words stand for."""
+    first = Path(arguments.first)
+    is_recording = first.is_dir() or first.suffix in _RECORDING_SUFFIXES
+    if is_recording:
+        return find_model(arguments.model), [first, *arguments.recordings]
+    if arguments.model:
+        msg = (
+            f'{first} and --model {arguments.model}: two models are named; leave one out '
+            '(the names of recordings end in .mcap or .db3, or are those of folders)'
+        )
+        raise InputError(msg)
+    if not arguments.recordings:
+        msg = f'{first}: no recording is named; give `lsc_pose evaluate` one after the model'
+        raise InputError(msg)
+    return find_model(arguments.first), arguments.recordings
+
+
+def _measure(
     arguments: argparse.Namespace,
-    model: Model,
-    evaluation: Evaluation,
-    summary: Summary,
-) -> dict[str, Any]:
-    milliseconds = 1000 * evaluation.seconds
-    return {
-        'frames': len(evaluation.seconds),
-        'people': len(evaluation.errors),
-        'mean_error_m': summary.mean_error_m,
-        'map': summary.map,
-        'tolerance_m': arguments.tolerance,
-        'joints': {name: score._asdict() for name, score in summary.joints.items()},
-        'ms_per_frame': {
-            'p50': float(np.percentile(milliseconds, 50)),
-            'p95': float(np.percentile(milliseconds, 95)),
-        },
-        'model': str(arguments.model),
-        'recordings': [str(path) for path in arguments.recordings],
-        'graph': arguments.graph,
-        'query_points': model.settings.query_points,
-        'feature': model.settings.feature,
-        'sample': model.settings.sample,
-        'confidence': _confidence(model, measure_reliability(evaluation)),
-    }
-
-
-def _confidence(model: Model, reliability: Reliability) -> dict[str, Any]:
-    """Return how far confidence is to be believed, in words that JSON has."""
-    return {
-        'calibrated': len(model.calibration) > 0,
-        **reliability._asdict(),
-        'bins': [each._asdict() for each in reliability.bins],
-    }
-
-
-def _facts(results: dict[str, Any]) -> dict[str, str]:
-    times = results['ms_per_frame']
-    return {
-        'model': Path(results['model']).name,
-        'recordings': ', '.join(Path(name).name for name in results['recordings']),
-        'graph': 'on' if results['graph'] else 'off',
-        'confidence': _words_on(results['confidence']),
-        'time a frame': f'{times["p50"]:.1f} ms (95 % within {times["p95"]:.1f} ms)',
-    }
-
-
-def _words_on(confidence: dict[str, Any]) -> str:
-    words = f'off by {100 * confidence["ece"]:.1f} % (expected calibration error)'
-    return words if confidence['calibrated'] else f'{words}, not calibrated'
-
-
-def _table(results: dict[str, Any], summary: Summary) -> str:
-    tolerance = 100 * results['tolerance_m']
-    lines = [f'{"joint":<12}{"error cm":>9}{f"within {tolerance:g} cm":>16}{"n":>8}']
-    lines += [
-        f'{name:<12}{100 * score.mean_error_m:>9.1f}{100 * score.ap:>14.1f} %{score.n:>8}'
-        for name, score in summary.joints.items()
-    ]
-    lines.append(f'{"mean":<12}{100 * summary.mean_error_m:>9.1f}{100 * summary.map:>14.1f} %')
-    times = results['ms_per_frame']
-    lines.append(
-        f'{results["frames"]} frames, {times["p50"]:.1f} ms a frame '
-        f'(95 % within {times["p95"]:.1f} ms)'
-    )
-    lines.append(f'confidence {_words_on(results["confidence"])}')
-    return '\n'.join(lines)
+    estimator: Estimator,
+    readers: list[FrameReader],
+    others: list[FrameReader],
+) -> Measured:
+    """Evaluate on `readers`, with offsets fitted on `others` if there are any."""
+    wanted = numbers_of(arguments.joints) if arguments.joints else estimator.joints
+    offsets = None
+    if others:
+        fitted = select(evaluate(estimator, read_frames(others, 'fitting offsets')), wanted)
+        offsets = fit_offsets(fitted)
+    evaluation = select(evaluate(estimator, read_frames(readers, 'evaluating')), wanted)
+    return Measured(evaluation, summarise(evaluation, arguments.tolerance), offsets)

@@ -10,6 +10,7 @@ from lsc_pose_ros.cli.json_file import write_json
 from lsc_pose_ros.cli.progress import progress
 from lsc_pose_ros.cli.topic_arguments import add_topic_arguments, topics_of
 from lsc_pose_ros.data.recording.inspection import Inspection, RecordingReport
+from lsc_pose_ros.resources import find_model, shipped_models
 
 HELP = (
     'Say what a recording or a model holds. A recording is read whole, its checksums included, '
@@ -23,7 +24,11 @@ _MODEL_SUFFIX = '.npz'
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments to `parser`."""
     parser.add_argument(
-        'path', type=Path, metavar='PATH', help='a recording (file or bag folder) or a model'
+        'path',
+        type=Path,
+        metavar='PATH',
+        help='a recording (file or bag folder), a model, or the name of one that comes with the '
+        'package',
     )
     parser.add_argument('--json', type=Path, metavar='FILE', help='write it to FILE as JSON too')
     add_topic_arguments(parser)
@@ -35,10 +40,10 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: it is neither a recording nor a model, or the JSON cannot be written.
     """
-    if _is_model(arguments.path):
-        contents = _describe_model(arguments.path)
-    else:
-        contents = _describe_recording(arguments)
+    path = arguments.path
+    if not path.exists() and str(path) in shipped_models():
+        path = find_model(path)
+    contents = _describe_model(path) if _is_model(path) else _describe_recording(arguments)
     if arguments.json is not None:
         write_json(arguments.json, contents)
     return 0

@@ -24,15 +24,17 @@ def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
     add_topic_arguments(parser)
 
 
-def open_recordings(arguments: argparse.Namespace) -> list[FrameReader]:
-    """Return the recordings that `arguments` name.
+def open_recordings(
+    arguments: argparse.Namespace, paths: Sequence[Path] | None = None
+) -> list[FrameReader]:
+    """Return the recordings that `arguments` name, or those at `paths` with the same topics.
 
     Raises:
         InputError: one of them cannot be opened or holds no ground truth.
     """
     readers = [
         open_frames(path, topics_of(arguments), mask_background=arguments.mask_background)
-        for path in arguments.recordings
+        for path in (arguments.recordings if paths is None else paths)
     ]
     for reader in readers:
         if not reader.topics.truth:

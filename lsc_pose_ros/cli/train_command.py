@@ -13,7 +13,12 @@ from lsc_pose_ros.cli.labelled_frames import (
     open_recordings,
     read_frames,
 )
-from lsc_pose_ros.cli.numbers import finite_float, positive_float, positive_int
+from lsc_pose_ros.cli.numbers import (
+    finite_float,
+    float_from_zero,
+    positive_float,
+    positive_int,
+)
 from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.core.settings import FEATURES, SAMPLES, Settings
 from lsc_pose_ros.data.model_file import save_model
@@ -27,6 +32,9 @@ from lsc_pose_ros.learning.train import GIBIBYTE, TrainingSettings, train
 
 HELP = 'learn a model from labelled recordings'
 
+# How many pixels are around one.
+_NEIGHBOURS = 8
+
 # More than this is no longer a training.
 _LARGEST_SHARE = 0.5
 
@@ -38,6 +46,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '-o', '--output', type=Path, required=True, metavar='MODEL', help='the model, e.g. me.npz'
     )
     _add_forest_arguments(parser)
+    _add_surface_arguments(parser)
+    parser.add_argument(
+        '--mirror',
+        action='store_true',
+        help='learn from every frame a second time, mirrored, left and right exchanged; takes '
+        'twice the time and memory',
+    )
+    parser.add_argument(
+        '--facing',
+        action='store_true',
+        help='also learn where people face, and let the forest ask for it: for people who may '
+        'turn their backs to the camera',
+    )
     parser.add_argument(
         '--joints',
         nargs='+',
@@ -101,6 +122,37 @@ def _add_forest_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_surface_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what decides how the silhouette is found in what kind of depth."""
+    defaults = Settings()
+    parser.add_argument(
+        '--fewest-neighbours',
+        type=int,
+        choices=range(_NEIGHBOURS + 1),
+        default=defaults.fewest_neighbours,
+        metavar='N',
+        help='leave out flying pixels: those of which fewer than N of the eight neighbours are at '
+        f'their depth, to {100 * defaults.neighbour_distance:g} cm; for a time-of-flight camera 3 '
+        '(default: %(default)s, none are)',
+    )
+    parser.add_argument(
+        '--smoothing-sigma',
+        type=float_from_zero,
+        default=defaults.smoothing_sigma,
+        metavar='METRES',
+        help='how far neighbouring pixels are smoothed (eq. 1); more for a camera with more noise '
+        '(default: %(default)s)',
+    )
+    parser.add_argument(
+        '--edge-threshold',
+        type=positive_float,
+        default=defaults.edge_threshold,
+        metavar='METRES',
+        help='the step in depth that makes an edge (eq. 2); well above the noise that is left '
+        '(default: %(default)s)',
+    )
+
+
 def _add_teacher_arguments(teachers: argparse._MutuallyExclusiveGroup) -> None:
     """Add what confidence is learnt from: a part of the recordings, or others."""
     untrained = TrainingSettings(numbers_of(DEFAULT_JOINTS))
@@ -136,6 +188,8 @@ def run(arguments: argparse.Namespace) -> int:
         'recordings': ', '.join(path.name for path in arguments.recordings),
         'program': f'lsc_pose_ros {__version__}',
         'seed': str(training.seed),
+        'mirrored': 'yes' if training.mirror else 'no',
+        'facing learnt': 'yes' if training.facing else 'no',
     }
     begin = time.perf_counter()
     model = train(read_frames(readers, 'describing'), training, provenance, _tell)
@@ -171,6 +225,9 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
     return TrainingSettings(
         numbers_of(arguments.joints),
         Settings(
+            fewest_neighbours=arguments.fewest_neighbours,
+            smoothing_sigma=arguments.smoothing_sigma,
+            edge_threshold=arguments.edge_threshold,
             feature=arguments.feature,
             sample=arguments.sample,
             points=arguments.points,
@@ -184,6 +241,8 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
             features=arguments.split_features,
         ),
         criterion=arguments.criterion,
+        mirror=arguments.mirror,
+        facing=arguments.facing,
         seed=arguments.seed,
         memory=arguments.memory * GIBIBYTE,
         hold_out=0.0 if arguments.calibrate else arguments.hold_out,
@@ -203,8 +262,7 @@ def _open_others(arguments: argparse.Namespace, training: TrainingSettings) -> l
     """Open what --calibrate names, and find out now whether it is of use after the training."""
     if not arguments.calibrate:
         return []
-    given = vars(arguments) | {'recordings': arguments.calibrate}
-    readers = open_recordings(argparse.Namespace(**given))
+    readers = open_recordings(arguments, arguments.calibrate)
     frames = itertools.chain.from_iterable(readers)
     if not any(True for _ in labelled_people(frames, training.joints, training.settings)):
         names = ', '.join(str(path) for path in arguments.calibrate)

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lsc_pose_ros.cli.frame_choice import Numbered, pick, spread
+from lsc_pose_ros.cli.model_argument import add_model_argument
 from lsc_pose_ros.cli.numbers import positive_int
 from lsc_pose_ros.cli.progress import progress
 from lsc_pose_ros.cli.recorded_skeletons import find_skeletons_topic, read_skeletons_at
@@ -21,6 +22,7 @@ from lsc_pose_ros.pictures.drawn_frame import DrawnFrame
 from lsc_pose_ros.pictures.seen_body import SeenBody, see_body
 from lsc_pose_ros.pictures.sheet import contact_sheet
 from lsc_pose_ros.pictures.stages import stage_sheet, write_stages
+from lsc_pose_ros.resources import DEFAULT_MODEL, find_model, shipped_models
 
 HELP = """Draw frames of a recording on one sheet: depth, silhouette points, the estimated and the
 true skeletons; or, with --stages, one frame on its way through every stage of the method."""
@@ -77,15 +79,15 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: the recording, the model or the output cannot be used.
     """
     _check(arguments)
-    estimator = None
-    if arguments.model is not None:
-        estimator = Estimator(load_model(arguments.model), graph=arguments.graph)
     reader = open_frames(
         arguments.recording,
         topics_of(arguments),
         mask_background=arguments.mask_background,
-        need_mask=estimator is not None or arguments.stages is not None,
+        need_mask=bool(arguments.model) or arguments.stages is not None,
     )
+    estimator = None
+    if arguments.model or (_has_default_model() and _needs_model(arguments, reader)):
+        estimator = Estimator(load_model(find_model(arguments.model)), graph=arguments.graph)
     if arguments.stages is not None:
         _draw_stages(arguments, reader, estimator)
     else:
@@ -95,13 +97,15 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _add_skeleton_arguments(group: argparse._ArgumentGroup) -> None:
     source = group.add_mutually_exclusive_group()
-    source.add_argument('--model', type=Path, metavar='MODEL', help='estimate with this model')
+    add_model_argument(
+        source, 'with --stages, and where the recording holds no skeletons, not even true ones'
+    )
     source.add_argument(
         '--skeletons-topic',
         default='',
         metavar='TOPIC',
         help='draw the skeletons that the recording holds there (default: without --model, those '
-        'of a topic called skeletons, if there is one)',
+        'of a topic called skeletons)',
     )
     group.add_argument(
         '--no-graph',
@@ -109,6 +113,19 @@ def _add_skeleton_arguments(group: argparse._ArgumentGroup) -> None:
         action='store_false',
         help='take each joint by itself, without the pictorial structure',
     )
+
+
+def _has_default_model() -> bool:
+    return DEFAULT_MODEL in shipped_models()
+
+
+def _needs_model(arguments: argparse.Namespace, reader: FrameReader) -> bool:
+    """Tell whether there is something to draw that only a model knows."""
+    if arguments.stages is not None:
+        return True
+    if arguments.skeletons_topic or reader.topics.truth or not reader.topics.mask:
+        return False
+    return not find_skeletons_topic(read_messages(arguments.recording), '', '')
 
 
 def _frame_number(word: str) -> int:

@@ -9,10 +9,12 @@ from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.confidence import confidence_in
 from lsc_pose_ros.core.density import find_modes
 from lsc_pose_ros.core.descriptor import mean_distance
+from lsc_pose_ros.core.facing import find_facing, with_facing
 from lsc_pose_ros.core.features import Seen, describe_points
 from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
+from lsc_pose_ros.core.joints import leg_pairs
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.core.silhouette import (
@@ -189,7 +191,7 @@ class Estimator:
             scale: rho_bar, metres.
         """
         model, settings = self.model, self.model.settings
-        leaves = find_leaves(model.forest, levels)
+        leaves = leaves_of(model, levels)
         joint_poll = Poll(len(model.joints), settings.heaviest_votes, scale)
         joint_votes = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)
         pair_poll = Poll(len(model.edges), settings.heaviest_votes, scale)
@@ -204,6 +206,18 @@ class Estimator:
         return Answer(joint_votes, pair_votes, candidates, alone, chosen, joints)
 
 
+def leaves_of(model: Model, levels: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Return the leaf that each point of a person reaches in each tree of a model, shape (Q, T).
+
+    Args:
+        model: if it can tell facings, its trees are told the person's.
+        levels: the descriptors of the person's points, shape (Q, F).
+    """
+    if model.facing is not None:
+        levels = with_facing(levels, find_facing(model.facing, levels))
+    return find_leaves(model.forest, levels)
+
+
 def structure_of(model: Model) -> Structure:
     """Return what the graph needs of a model (eq. 16, 17)."""
     settings = model.settings
@@ -212,6 +226,8 @@ def structure_of(model: Model) -> Structure:
         model.limb_lengths,
         float(settings.joint_bandwidth),
         float(settings.pair_weight),
+        leg_pairs(model.joints),
+        float(settings.legs_apart),
     )
 
 

@@ -17,19 +17,27 @@ _Result = TypeVar('_Result')
 
 def kernel(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
     """Compile `function` for one core; it releases the GIL and its code is kept on disk."""
-    return _compile(function, parallel=False)
+    return _compile(function, parallel=False, fastmath=FASTMATH)
+
+
+def exact_kernel(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
+    """Compile `function` as `kernel` does, but to the last bit as it is written.
+
+    Every compiler and processor then gives the same numbers.
+    """
+    return _compile(function, parallel=False, fastmath=set())
 
 
 def parallel_kernel(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
     """Compile `function` so that its `numba.prange` loops use all cores; for training only."""
-    return _compile(function, parallel=True)
+    return _compile(function, parallel=True, fastmath=FASTMATH)
 
 
 def _compile(
-    function: Callable[_Parameters, _Result], *, parallel: bool
+    function: Callable[_Parameters, _Result], *, parallel: bool, fastmath: set[str]
 ) -> Callable[_Parameters, _Result]:
     compiled: Any = numba.njit(
-        nogil=True, error_model='numpy', fastmath=FASTMATH, parallel=parallel
+        nogil=True, error_model='numpy', fastmath=fastmath, parallel=parallel
     )(function)
     with suppress(RuntimeError, OSError):  # nowhere to keep it: every process compiles anew
         # What `cache=True` does with numba's own cache.

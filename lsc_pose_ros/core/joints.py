@@ -92,3 +92,16 @@ def default_edges(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int
         if ancestor != name:
             edges.append((index[ancestor], index[name]))
     return np.array(edges, dtype=np.int32).reshape(-1, 2)
+
+
+def leg_pairs(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int32]:
+    """Return the knees, ankles and feet of which both are known, as pairs of indices, (P, 2).
+
+    Left first; a pair of hips is none, they never change places.
+    """
+    names = names_of(numbers)
+    pairs = [(f'l_{part}', f'r_{part}') for part in ('knee', 'ankle', 'foot')]
+    known = [pair for pair in pairs if set(pair) <= set(names)]
+    return np.array(
+        [(names.index(left), names.index(right)) for left, right in known], dtype=np.int32
+    ).reshape(-1, 2)

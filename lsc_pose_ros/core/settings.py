@@ -16,6 +16,9 @@ class Settings(NamedTuple):
     """How silhouettes, descriptors and densities are computed.
 
     Attributes:
+        fewest_neighbours: a pixel of the body with fewer than so many of its eight neighbours at
+            its own depth is a flying pixel, on no surface, and is left out; 0 keeps all.
+        neighbour_distance: up to which step in depth a neighbour is at the same, metres.
         smoothing_sigma: sigma of the Gaussian over 3-D distances, metres (eq. 1).
         edge_threshold: t_d, the depth step that makes an edge, metres (eq. 2).
         feature: what the forest sees of a point, one of FEATURES.
@@ -32,11 +35,15 @@ class Settings(NamedTuple):
         heaviest_votes: M, how many votes make a density (eq. 14, 15).
         candidates: how many modes of a joint's density the graph may choose from (eq. 16).
         pair_weight: the power to which the pair densities are raised in eq. 16 and 17.
+        legs_apart: the graph avoids to put the left and the right knee, or ankle, closer to each
+            other than this, metres; 0: it does not care, as in the paper.
         offset_pairs: of the feature dcf: how many pairs of offsets there are.
         offset_reach: likewise: how far an offset reaches in x and in y, metres.
         offset_seed: likewise: of the offsets.
     """
 
+    fewest_neighbours: int = 0
+    neighbour_distance: float = 0.1
     smoothing_sigma: float = 0.02
     edge_threshold: float = 0.04
     feature: str = '3dlsc'
@@ -51,6 +58,7 @@ class Settings(NamedTuple):
     heaviest_votes: int = 200
     candidates: int = 2
     pair_weight: float = 1.0
+    legs_apart: float = 0.12
     offset_pairs: int = 360
     offset_reach: float = 0.5
     offset_seed: int = 0

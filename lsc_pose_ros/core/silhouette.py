@@ -33,7 +33,7 @@ class Silhouette(NamedTuple):
     """The silhouette of one body; all of the body where the settings sample that.
 
     Attributes:
-        smoothed: the window after eq. 1.
+        smoothed: the window without flying pixels and after eq. 1.
         rows, columns: all edge pixels E in the image, in scan order, shape (n,) (eq. 2); all
             pixels of the body where the settings sample that.
         points: the N of them that are kept, E', in metres, shape (N, 3).
@@ -98,6 +98,43 @@ def _fill(
             else:
                 window[i, j] = np.inf
     return window
+
+
+def on_surfaces(window: Window, settings: Settings) -> Window:
+    """Return the window without its flying pixels; what is taken out becomes background.
+
+    At the rim of a surface a time-of-flight camera mixes the light of what lies before and behind,
+    and measures a depth between the two where there is nothing. Such a pixel hangs on its line of
+    sight, away from its neighbours, whereas a pixel of a surface has some at its own depth.
+    """
+    if settings.fewest_neighbours <= 0:
+        return window
+    near = settings.fewest_neighbours, settings.neighbour_distance
+    return Window(drop_flying(window.depth, *near), window.row, window.column)
+
+
+@kernel
+def drop_flying(depth: NDArray[np.float32], fewest: int, distance: float) -> NDArray[np.float32]:
+    """Return the window's depth, infinity where a pixel has too few neighbours at its own depth.
+
+    Args:
+        depth: the window's; its border row and column hold no body.
+        fewest: how many of the eight neighbours there must be.
+        distance: how far in depth they may be, metres.
+    """
+    kept = depth.copy()
+    for i in range(1, depth.shape[0] - 1):
+        for j in range(1, depth.shape[1] - 1):
+            if not math.isfinite(depth[i, j]):
+                continue
+            neighbours = -1  # the pixel itself
+            for di in range(-1, 2):
+                for dj in range(-1, 2):
+                    if abs(depth[i + di, j + dj] - depth[i, j]) <= distance:
+                        neighbours += 1
+            if neighbours < fewest:
+                kept[i, j] = np.inf
+    return kept
 
 
 @kernel
@@ -209,9 +246,11 @@ def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
 def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
     """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points.
 
-    Where the settings sample the body, the points are evenly spread over all of its pixels.
+    Flying pixels are taken out before, where the settings say so; where these sample the body, the
+    points are evenly spread over all of its pixels.
     """
-    smoothed = Window(smooth(window, camera, settings.smoothing_sigma), window.row, window.column)
+    solid = on_surfaces(window, settings)
+    smoothed = Window(smooth(solid, camera, settings.smoothing_sigma), window.row, window.column)
     if settings.sample == 'body':
         edges = np.argwhere(np.isfinite(smoothed.depth)).astype(np.int32)
     else:

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.facing import SECTORS, FacingForest
 from lsc_pose_ros.core.features import feature_size
-from lsc_pose_ros.core.forest import Forest, Votes
+from lsc_pose_ros.core.forest import Trees, Votes
 from lsc_pose_ros.core.joints import JOINT_NAMES
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import BINNINGS, FEATURES, SAMPLES, Settings
@@ -20,12 +21,15 @@ _LARGEST_SEED = 1 << 128
 # What the settings that are words can be.
 _WORDS = {'feature': FEATURES, 'sample': SAMPLES, 'binning': BINNINGS}
 
-# Settings that models of version 1 lack; these do as the defaults say.
-_SINCE_VERSION_2 = (
+# Settings that older models lack; these do as the defaults say.
+_LATER_SETTINGS = (
+    'fewest_neighbours',
+    'neighbour_distance',
     'feature',
     'sample',
     'fixed_scale',
     'binning',
+    'legs_apart',
     'offset_pairs',
     'offset_reach',
     'offset_seed',
@@ -56,7 +60,7 @@ def read_settings(given: object) -> Settings:
     """
     defaults = Settings()._asdict()
     if isinstance(given, dict):
-        given = {name: defaults[name] for name in _SINCE_VERSION_2} | given
+        given = {name: defaults[name] for name in _LATER_SETTINGS} | given
     if not isinstance(given, dict) or set(given) != set(defaults):
         msg = 'its settings are not those of this version'
         raise UnusableModelError(msg)
@@ -114,9 +118,19 @@ def check_model(model: Model) -> None:
         msg = 'its limb lengths do not fit its edges'
         raise UnusableModelError(msg)
     _check_calibration(model.calibration, count)
-    leaves = _check_nodes(model.forest, feature_size(model.settings))
+    leaves = len(model.forest.joint_votes.start) - 1
+    _check_nodes(model.forest, model.feature_size, leaves)
     _check_votes(model.forest.joint_votes, leaves, count)
     _check_votes(model.forest.pair_votes, leaves, len(edges))
+    if model.facing is not None:
+        _check_facing(model.facing, feature_size(model.settings))
+
+
+def _check_facing(facing: FacingForest, size: int) -> None:
+    if facing.evidence.shape[1:] != (SECTORS,):
+        msg = 'its facings are not those of this version'
+        raise UnusableModelError(msg)
+    _check_nodes(facing, size, len(facing.evidence))
 
 
 def _check_calibration(calibration: NDArray[np.float32], count: int) -> None:
@@ -146,9 +160,9 @@ def _is_forest(edges: NDArray[np.int32], count: int) -> bool:
     return True
 
 
-def _check_nodes(forest: Forest, size: int) -> int:
-    """Check that every way down ends in a leaf; return how many leaves there are."""
-    nodes, leaves = len(forest.feature), len(forest.joint_votes.start) - 1
+def _check_nodes(forest: Trees, size: int, leaves: int) -> None:
+    """Check that every way down the trees ends in one of the leaves."""
+    nodes = len(forest.feature)
     if len(forest.threshold) != nodes or len(forest.left) != nodes or not len(forest.roots):
         msg = 'its trees are incomplete'
         raise UnusableModelError(msg)
@@ -168,7 +182,6 @@ def _check_nodes(forest: Forest, size: int) -> int:
     if not good:
         msg = 'its trees point to places that do not exist'
         raise UnusableModelError(msg)
-    return leaves
 
 
 def _check_votes(votes: Votes, leaves: int, targets: int) -> None:

@@ -1,6 +1,7 @@
 """Model files: numpy arrays and a page of JSON in a zip archive, nothing that can run.
 
-The file is what `numpy.savez_compressed` writes, read with `allow_pickle=False`.
+The file is what `numpy.savez_compressed` writes, read with `allow_pickle=False`. How the forest is
+put in it is told in `compact_forest.py`; versions 1 and 2 had its arrays as they are in memory.
 """
 
 import json
@@ -16,6 +17,15 @@ from lsc_pose_ros.core.confidence import uncalibrated
 from lsc_pose_ros.core.forest import Forest, Votes
 from lsc_pose_ros.core.joints import names_of
 from lsc_pose_ros.core.model import Model
+from lsc_pose_ros.data.compact_forest import ARRAYS as FOREST_ARRAYS
+from lsc_pose_ros.data.compact_forest import (
+    FACING_ARRAYS,
+    Form,
+    pack_facing,
+    pack_forest,
+    unpack_facing,
+    unpack_forest,
+)
 from lsc_pose_ros.data.model_check import (
     UnusableModelError,
     check_model,
@@ -25,36 +35,36 @@ from lsc_pose_ros.data.model_check import (
 from lsc_pose_ros.errors import InputError
 
 FORMAT = 'lsc_pose model'
-VERSION = 2
+VERSION = 3
 # Version 1 knows only the paper's feature, and its confidence is the share of the votes; the
 # settings that it lacks have their defaults.
-_READ = (1, VERSION)
+_READ = (1, 2, VERSION)
 
 # A model of hundreds of megabytes is no model of ours, but a zip bomb.
 LARGEST_ARRAY = 1 << 30
 
-# What each array is: its type in memory and how many dimensions it has.
-_ARRAYS: dict[str, tuple[type[np.generic], int]] = {
+_SKELETON: dict[str, Form] = {
     'joints': (np.uint16, 1),
     'edges': (np.int32, 2),
     'limb_lengths': (np.float32, 1),
+}
+_OLD_FOREST: dict[str, Form] = {
     'roots': (np.int32, 1),
     'feature': (np.int16, 1),
     'threshold': (np.uint8, 1),
     'left': (np.int32, 1),
     'joint_start': (np.int32, 1),
     'joint_target': (np.uint8, 1),
-    'joint_offset': (np.float32, 2),
-    'joint_weight': (np.float32, 1),
+    'joint_offset': (np.float16, 2),
+    'joint_weight': (np.float16, 1),
     'pair_start': (np.int32, 1),
     'pair_target': (np.uint8, 1),
-    'pair_offset': (np.float32, 2),
-    'pair_weight': (np.float32, 1),
+    'pair_offset': (np.float16, 2),
+    'pair_weight': (np.float16, 1),
 }
 # Models whose confidence is not calibrated lack it.
 _CALIBRATION = 'calibration'
-# Half precision is 0.5 mm at an arm's length: enough, and half the file.
-_HALVED = {'joint_offset', 'joint_weight', 'pair_offset', 'pair_weight'}
+_CALIBRATION_FORM: Form = (np.float32, 2)
 
 
 def save_model(path: str | os.PathLike[str], model: Model) -> None:
@@ -72,8 +82,12 @@ def save_model(path: str | os.PathLike[str], model: Model) -> None:
         'provenance': model.provenance,
     }
     arrays: dict[str, Any] = {
-        name: array.astype(np.float16) if name in _HALVED else array
-        for name, array in _arrays_of(model).items()
+        'joints': model.joints,
+        'edges': model.edges,
+        'limb_lengths': model.limb_lengths,
+        **({_CALIBRATION: model.calibration} if len(model.calibration) else {}),
+        **pack_forest(model.forest),
+        **(pack_facing(model.facing) if model.facing else {}),
     }
     try:
         with beside.open('wb') as file:
@@ -98,9 +112,16 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         _check_sizes(source)
         with np.load(source, allow_pickle=False) as archive:
             header = _read_header(source, archive)
-            arrays = {name: _read_array(source, archive, name) for name in _ARRAYS}
+            old = header['version'] < VERSION
+            forms = _SKELETON | (_OLD_FOREST if old else FOREST_ARRAYS)
             if _CALIBRATION in archive:
-                arrays[_CALIBRATION] = _read_array(source, archive, _CALIBRATION)
+                forms |= {_CALIBRATION: _CALIBRATION_FORM}
+            if not FACING_ARRAYS.keys().isdisjoint(archive):
+                forms |= FACING_ARRAYS
+            arrays = {
+                name: _read_array(source, archive[name], name, form)
+                for name, form in forms.items()
+            }
     except FileNotFoundError as error:
         msg = f'there is no model file {source}; make one with `lsc_pose train`'
         raise InputError(msg) from error
@@ -108,7 +129,11 @@ def load_model(path: str | os.PathLike[str]) -> Model:
         raise
     except Exception as error:  # numpy lets through whatever a damaged file makes it stumble on
         raise _wrong(source, str(error) or type(error).__name__) from error
-    return _assemble(source, header, arrays)
+    try:
+        forest = _old_forest(arrays) if old else unpack_forest(arrays)
+        return _assemble(header, arrays, forest)
+    except UnusableModelError as error:
+        raise _wrong(source, str(error)) from error
 
 
 def describe_model(model: Model) -> dict[str, str]:
@@ -122,29 +147,13 @@ def describe_model(model: Model) -> dict[str, str]:
         'leaves': str(leaves),
         'joint votes': str(len(forest.joint_votes.target)),
         'pair votes': str(len(forest.pair_votes.target)),
+        'facing': 'known' if model.facing else 'not known',
         'confidence': 'calibrated' if len(model.calibration) else 'the share of the votes',
         **{
             name.replace('_', ' '): f'{value:g}' if isinstance(value, float) else str(value)
             for name, value in model.settings._asdict().items()
         },
         **model.provenance,
-    }
-
-
-def _arrays_of(model: Model) -> dict[str, NDArray[np.generic]]:
-    forest = model.forest
-    calibration = {_CALIBRATION: model.calibration} if len(model.calibration) else {}
-    return {
-        'joints': model.joints,
-        'edges': model.edges,
-        'limb_lengths': model.limb_lengths,
-        'roots': forest.roots,
-        'feature': forest.feature,
-        'threshold': forest.threshold,
-        'left': forest.left,
-        **{f'joint_{name}': array for name, array in forest.joint_votes._asdict().items()},
-        **{f'pair_{name}': array for name, array in forest.pair_votes._asdict().items()},
-        **calibration,
     }
 
 
@@ -178,35 +187,40 @@ def _read_header(path: Path, archive: Any) -> dict[str, Any]:  # noqa: ANN401
     return header
 
 
-def _read_array(path: Path, archive: np.lib.npyio.NpzFile, name: str) -> NDArray[np.generic]:
-    kind, dimensions = _ARRAYS.get(name, (np.float32, 2))
-    array = archive[name]
-    wanted = np.dtype(np.float16 if name in _HALVED else kind)
-    if array.dtype != wanted or array.ndim != dimensions:
+def _read_array(
+    path: Path, array: NDArray[np.generic], name: str, form: Form
+) -> NDArray[np.generic]:
+    kind, dimensions = form
+    if array.dtype != np.dtype(kind) or array.ndim != dimensions:
         raise _wrong(path, f'its part {name} is {array.dtype} of {array.ndim} dimensions')
-    return np.ascontiguousarray(array, kind)
+    return np.ascontiguousarray(array)
 
 
-def _assemble(path: Path, header: dict[str, Any], arrays: dict[str, Any]) -> Model:
-    votes = {
-        kind: Votes(*(arrays[f'{kind}_{name}'] for name in Votes._fields))
-        for kind in ('joint', 'pair')
-    }
-    parts = {name: arrays[name] for name in ('roots', 'feature', 'threshold', 'left')}
-    forest = Forest(**parts, joint_votes=votes['joint'], pair_votes=votes['pair'])
-    try:
-        settings = read_settings(header.get('settings'))
-        provenance = read_provenance(header.get('provenance'))
-        model = Model(
-            arrays['joints'],
-            arrays['edges'],
-            arrays['limb_lengths'],
-            settings,
-            forest,
-            provenance,
-            arrays.get(_CALIBRATION, uncalibrated()),
+def _old_forest(arrays: dict[str, Any]) -> Forest:
+    joint, pair = (
+        Votes(
+            arrays[f'{kind}_start'],
+            arrays[f'{kind}_target'],
+            arrays[f'{kind}_offset'].astype(np.float32),
+            arrays[f'{kind}_weight'].astype(np.float32),
         )
-        check_model(model)
-    except UnusableModelError as error:
-        raise _wrong(path, str(error)) from error
+        for kind in ('joint', 'pair')
+    )
+    return Forest(
+        arrays['roots'], arrays['feature'], arrays['threshold'], arrays['left'], joint, pair
+    )
+
+
+def _assemble(header: dict[str, Any], arrays: dict[str, Any], forest: Forest) -> Model:
+    model = Model(
+        arrays['joints'],
+        arrays['edges'],
+        arrays['limb_lengths'],
+        read_settings(header.get('settings')),
+        forest,
+        read_provenance(header.get('provenance')),
+        arrays.get(_CALIBRATION, uncalibrated()),
+        unpack_facing(arrays) if FACING_ARRAYS.keys() <= arrays.keys() else None,
+    )
+    check_model(model)
     return model

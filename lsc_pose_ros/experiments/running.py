@@ -43,6 +43,7 @@ _OF_ESTIMATION = (
     'heaviest_votes',
     'candidates',
     'pair_weight',
+    'legs_apart',
 )
 
 Progress = Callable[[str], None]

@@ -79,6 +79,7 @@ def _evaluation(outcome: Outcome) -> Evaluation:
         np.zeros(people, np.uint16),
         np.zeros(people),
         np.zeros_like(outcome.errors),
+        np.full((*outcome.errors.shape, 3), np.nan, np.float32),
     )
 
 

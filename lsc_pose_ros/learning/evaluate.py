@@ -26,6 +26,8 @@ class Evaluation(NamedTuple):
         bodies: the number of each person in the mask, shape (P,).
         seconds: how long each frame took, shape (F,).
         confidence: in each joint, 0 where there is no estimate, shape (P, J).
+        differences: truth minus estimate in the camera frame, metres, shape (P, J, 3); NaN where
+            either is lacking.
     """
 
     joints: NDArray[np.uint16]
@@ -34,6 +36,7 @@ class Evaluation(NamedTuple):
     bodies: NDArray[np.uint16]
     seconds: NDArray[np.float64]
     confidence: NDArray[np.float32]
+    differences: NDArray[np.float32]
 
 
 class JointScore(NamedTuple):
@@ -78,6 +81,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
     bodies: list[NDArray[np.uint16]] = []
     seconds: list[float] = []
     confidence: list[NDArray[np.float32]] = []
+    differences: list[NDArray[np.float32]] = []
     seen = 0
     for number, frame in enumerate(frames):
         begin = time.perf_counter()
@@ -87,6 +91,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
         if frame.truth is not None and len(frame.truth.bodies):
             errors.append(joint_errors(skeletons, frame.truth))
             confidence.append(joint_confidence(skeletons, frame.truth))
+            differences.append(joint_differences(skeletons, frame.truth))
             bodies.append(frame.truth.bodies)
             places.append(np.full(len(frame.truth.bodies), number))
     if not errors:
@@ -102,6 +107,29 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
         np.concatenate(bodies),
         np.array(seconds),
         np.concatenate(confidence),
+        np.concatenate(differences),
+    )
+
+
+def select(evaluation: Evaluation, joints: NDArray[np.uint16]) -> Evaluation:
+    """Return `evaluation` of these `joints` only, shape (J',); in the order of the model.
+
+    Raises:
+        InputError: the model does not estimate one of them.
+    """
+    missing = joints[~np.isin(joints, evaluation.joints)]
+    if len(missing):
+        msg = (
+            f'the model does not estimate {", ".join(names_of(missing))}; '
+            f'its joints are {", ".join(names_of(evaluation.joints))}'
+        )
+        raise InputError(msg)
+    kept = np.isin(evaluation.joints, joints)
+    return evaluation._replace(
+        joints=evaluation.joints[kept],
+        errors=evaluation.errors[:, kept],
+        confidence=evaluation.confidence[:, kept],
+        differences=evaluation.differences[:, kept],
     )
 
 
@@ -110,13 +138,21 @@ def joint_errors(estimate: Skeletons, truth: Skeletons) -> NDArray[np.float32]:
 
     J are the joints of `estimate`. NaN where there is no truth, infinity where no estimate.
     """
+    difference = joint_differences(estimate, truth)
+    labelled = ~np.isnan(select_joints(truth, estimate.joints)[..., 0])
+    distance: NDArray[np.float32] = np.linalg.norm(difference, axis=-1).astype(np.float32)
+    distance[np.isnan(distance) & labelled] = np.inf
+    return distance
+
+
+def joint_differences(estimate: Skeletons, truth: Skeletons) -> NDArray[np.float32]:
+    """Return `truth` minus `estimate` in metres, NaN where either is lacking, shape (B, J, 3)."""
     wanted = select_joints(truth, estimate.joints)
     found = np.full_like(wanted, np.nan)
     for b, row in _rows_of(truth, estimate):
         found[b] = estimate.positions[row]
-    distance: NDArray[np.float32] = np.linalg.norm(found - wanted, axis=-1).astype(np.float32)
-    distance[np.isnan(distance) & ~np.isnan(wanted[..., 0])] = np.inf
-    return distance
+    difference: NDArray[np.float32] = wanted - found
+    return difference
 
 
 def joint_confidence(estimate: Skeletons, truth: Skeletons) -> NDArray[np.float32]:

@@ -4,12 +4,14 @@ At a large node all cores look for the split, a feature each. A small node is to
 that; there each core grows a whole branch.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.forest import TreeNodes
 from lsc_pose_ros.core.jit import kernel, parallel_kernel
 from lsc_pose_ros.learning.criterion import Evidence, evidence_of
 from lsc_pose_ros.learning.splitter import Split, partition, try_feature
@@ -36,12 +38,14 @@ class GrowthSettings(NamedTuple):
         leaf_samples: the fewest samples a leaf may have.
         features: how many random features are tried at a node.
         thresholds: how many random thresholds are tried for each feature.
+        always: the last so many features are tried at every node, beside the random ones.
     """
 
     depth: int = 24
     leaf_samples: int = 8
     features: int = 12
     thresholds: int = 100
+    always: int = 0
 
 
 class Tree(NamedTuple):
@@ -161,7 +165,9 @@ def find_split(
 
     The other arguments as `grow_tree`.
     """
-    features = rng.choice(len(levels), min(settings.features, len(levels)), replace=False)
+    drawn = len(levels) - settings.always
+    features = rng.choice(drawn, min(settings.features, drawn), replace=False)
+    features = np.concatenate([features, np.arange(drawn, len(levels))])
     draws = rng.random((len(features), settings.thresholds))
     parts = _parts_of(evidence_of(evidence, members))
     costs, thresholds = _try_features(
@@ -259,13 +265,16 @@ def _draw_split(
 ) -> Split:
     """Return the best of random splits; as `find_split`, on one core."""
     best = Split(-1, 0, np.inf)
-    size = levels.shape[0]
+    size = levels.shape[0] - settings.always
     drawn = np.zeros(size, np.bool_)
-    for _ in range(min(settings.features, size)):
-        feature = np.random.randint(size)  # noqa: NPY002
-        while drawn[feature]:
+    wanted = min(settings.features, size)
+    for n in range(wanted + settings.always):
+        feature = size + n - wanted
+        if n < wanted:
             feature = np.random.randint(size)  # noqa: NPY002
-        drawn[feature] = True
+            while drawn[feature]:
+                feature = np.random.randint(size)  # noqa: NPY002
+            drawn[feature] = True
         draws = np.random.random(settings.thresholds)  # noqa: NPY002
         cost, threshold = try_feature(
             levels[feature], evidence, members, draws, settings.leaf_samples
@@ -300,3 +309,19 @@ def _graft(
     starts = np.unique(left[leaves])
     left[leaves] = np.searchsorted(starts, left[leaves])
     return Tree(feature, threshold, left.astype(np.int32), order, np.append(starts, len(order)))
+
+
+def join_trees(trees: Sequence[Tree]) -> TreeNodes:
+    """Return the trees in one set of nodes, nodes and leaves renumbered one after the other."""
+    nodes = np.cumsum([0, *(len(tree.feature) for tree in trees)])
+    leaves = np.cumsum([0, *(len(tree.leaf_start) - 1 for tree in trees)])
+    left = [
+        np.where(tree.feature >= 0, tree.left + nodes[t], tree.left + leaves[t])
+        for t, tree in enumerate(trees)
+    ]
+    return TreeNodes(
+        nodes[:-1].astype(np.int32),
+        np.concatenate([tree.feature for tree in trees]),
+        np.concatenate([tree.threshold for tree in trees]),
+        np.concatenate(left).astype(np.int32),
+    )

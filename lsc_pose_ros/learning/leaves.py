@@ -29,7 +29,7 @@ class LeafSettings(NamedTuple):
 
     joint_reach: float = 0.35
     pair_reach: float = 0.6
-    pair_share: float = 0.3
+    pair_share: float = 0.8
     bandwidth: float = 0.1
     clusters: int = 2
     most_samples: int = 100

@@ -18,7 +18,8 @@ class Samples(NamedTuple):
     """S silhouette points of P labelled people, one person after the other.
 
     Attributes:
-        levels: quantised descriptors, shape (F, S): a split reads one bin of many points.
+        levels: quantised descriptors, shape (F, S): a split reads one bin of many points. Rows
+            that are to be filled later may follow.
         points: metres, divided by the person's rho_bar, shape (S, 3).
         person: whose point it is, shape (S,).
         joints: the people's joints, divided by their rho_bar, NaN where not labelled, (P, J, 3).
@@ -123,7 +124,7 @@ def gather_samples(people: Iterable[Person], most: int | None = None) -> Samples
 
 
 def split_samples(
-    people: Iterable[Person], most: int | None, share: float
+    people: Iterable[Person], most: int | None, share: float, spare: int = 0
 ) -> tuple[Samples, list[Person]]:
     """Return the samples of most `people`, and the people that are held out.
 
@@ -131,6 +132,7 @@ def split_samples(
         people: as `gather_samples`.
         most: as `gather_samples`, of both together.
         share: which share of the people is held out.
+        spare: how many rows of the samples' levels are left free.
 
     Raises:
         InputError: there is nobody to learn from.
@@ -139,7 +141,7 @@ def split_samples(
     held = hold_out(len(kept), share)
     aside = [person for person, out in zip(kept, held, strict=True) if out]
     kept = [person for person, out in zip(kept, held, strict=True) if not out]
-    return _join(kept), aside
+    return _join(kept, spare), aside
 
 
 def hold_out(count: int, share: float) -> NDArray[np.bool_]:
@@ -160,7 +162,7 @@ def hold_out(count: int, share: float) -> NDArray[np.bool_]:
 _STRETCHES = 10
 
 
-def _join(kept: list[Person]) -> Samples:
+def _join(kept: list[Person], spare: int) -> Samples:
     """Return the samples of `kept`, which is emptied."""
     if not kept:
         msg = (
@@ -173,11 +175,12 @@ def _join(kept: list[Person]) -> Samples:
     points = np.concatenate([person.points for person in kept])
     joints = np.stack([person.joints for person in kept])
     scale = np.array([person.scale for person in kept], np.float32)
-    levels = np.empty((kept[0].levels.shape[1], ends[-1]), np.uint8)
+    size = kept[0].levels.shape[1]
+    levels = np.zeros((size + spare, ends[-1]), np.uint8)
     # From the last to the first, each forgotten once it is copied: memory is not needed twice.
     for end in ends[::-1]:
         person = kept.pop()
-        levels[:, end - len(person.points) : end] = person.levels.T
+        levels[:size, end - len(person.points) : end] = person.levels.T
     return Samples(
         levels, points, np.repeat(np.arange(len(counts), dtype=np.int32), counts), joints, scale
     )

@@ -18,11 +18,11 @@ from lsc_pose_ros.core.estimator import (
     FEWEST_POINTS,
     bodies_in,
     find_candidates,
+    leaves_of,
     places_of,
     structure_of,
 )
 from lsc_pose_ros.core.features import Seen, describe_points
-from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.model import Model
@@ -145,7 +145,7 @@ class _Way:
     ) -> tuple[CastVotes, CastVotes]:
         """Return the votes for joints and for edges."""
         model, heaviest = self._model, self._model.settings.heaviest_votes
-        leaves = find_leaves(model.forest, levels)
+        leaves = leaves_of(model, levels)
         self.lap(FOREST)
         joint_poll = Poll(len(model.joints), heaviest, scale)
         joints = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)

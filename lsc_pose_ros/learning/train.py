@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.core.facing import FACING_SIZE
 from lsc_pose_ros.core.features import feature_size
 from lsc_pose_ros.core.forest import Forest, Votes
 from lsc_pose_ros.core.frame import Frame
@@ -21,8 +22,10 @@ from lsc_pose_ros.learning.criterion import (
     contributions,
     offset_moments,
 )
-from lsc_pose_ros.learning.growth import GrowthSettings, Tree, grow_tree
+from lsc_pose_ros.learning.facing import FacingSettings, lines_across, teach_facing
+from lsc_pose_ros.learning.growth import GrowthSettings, Tree, grow_tree, join_trees
 from lsc_pose_ros.learning.leaves import LeafSettings, fit_joint_votes, fit_pair_votes
+from lsc_pose_ros.learning.mirror import with_mirrored
 from lsc_pose_ros.learning.samples import (
     Samples,
     labelled_people,
@@ -47,6 +50,8 @@ class TrainingSettings(NamedTuple):
         hold_out: which share of the people teaches confidence instead of the forest.
         criterion: what splits are chosen by, one of CRITERIA.
         criterion_reach: of the spread: up to where a point speaks of a joint, in units of rho_bar.
+        mirror: whether every frame is learned from a second time, in the mirror.
+        facing: whether the forest is told where the person faces.
     """
 
     joints: NDArray[np.uint16]
@@ -59,6 +64,8 @@ class TrainingSettings(NamedTuple):
     hold_out: float = 0.05
     criterion: str = SPREAD
     criterion_reach: float = 0.5
+    mirror: bool = False
+    facing: bool = False
 
 
 Progress = Callable[[str], None]
@@ -79,13 +86,19 @@ def train(
         tell: is told each step as it begins.
 
     Raises:
-        InputError: nobody labelled is seen, or a joint is labelled nowhere.
+        InputError: nobody labelled is seen, a joint is labelled nowhere, or facings cannot be
+            learnt without others.
     """
+    if training.facing:
+        lines_across(training.joints)  # to complain now, not when all frames are read
     tell('reading frames')
+    if training.mirror:
+        frames = with_mirrored(frames)
     people = labelled_people(frames, training.joints, training.settings)
-    size = feature_size(training.settings)
+    spare = FACING_SIZE if training.facing else 0
+    size = feature_size(training.settings) + spare
     most = most_samples(training.memory, len(training.joints), size)
-    samples, held_out = split_samples(people, most, training.hold_out)
+    samples, held_out = split_samples(people, most, training.hold_out, spare)
     model = train_on(samples, training, provenance, tell)
     if held_out:
         tell(f'learning confidence from the {len(held_out)} people that were held out')
@@ -98,8 +111,16 @@ def train_on(
     provenance: dict[str, str],
     tell: Progress = lambda _step: None,
 ) -> Model:
-    """Return a model trained on `samples`; the other arguments as `train`."""
+    """Return a model trained on `samples`; the other arguments as `train`.
+
+    With `training.facing`, the last FACING_SIZE rows of their levels are free, and are filled.
+    """
     _check_labels(samples, training)
+    facing, growth = None, training.growth
+    if training.facing:
+        tell('learning where people face')
+        facing = teach_facing(samples, training.joints, FacingSettings(seed=training.seed))
+        growth = growth._replace(always=FACING_SIZE)
     edges = default_edges(training.joints)
     evidence = evidence_in(samples, training)
     trees: list[Tree] = []
@@ -108,7 +129,7 @@ def train_on(
     for number in range(training.trees):
         tell(f'growing tree {number + 1} of {training.trees}')
         rng = np.random.default_rng((training.seed, number))
-        tree = grow_tree(samples.levels, evidence, training.growth, rng)
+        tree = grow_tree(samples.levels, evidence, growth, rng)
         tell(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
         trees.append(tree)
         joint_votes.append(fit_joint_votes(samples, tree, training.leaves))
@@ -118,8 +139,9 @@ def train_on(
         edges,
         limb_lengths(samples, edges),
         training.settings,
-        join_trees(trees, joint_votes, pair_votes),
+        Forest(*join_trees(trees), join_votes(joint_votes), join_votes(pair_votes)),
         provenance | {'people': str(len(samples.scale)), 'samples': str(len(samples.points))},
+        facing=facing,
     )
 
 
@@ -153,24 +175,6 @@ def limb_lengths(samples: Samples, edges: NDArray[np.int32]) -> NDArray[np.float
     lengths /= np.maximum(counts, 1).astype(np.float32)
     lengths[counts == 0] = lengths[counts > 0].mean() if (counts > 0).any() else 0.3
     return lengths
-
-
-def join_trees(trees: list[Tree], joint_votes: list[Votes], pair_votes: list[Votes]) -> Forest:
-    """Return the trees and their leaves' votes as one forest, renumbered one after the other."""
-    nodes = np.cumsum([0, *(len(tree.feature) for tree in trees)])
-    leaves = np.cumsum([0, *(len(tree.leaf_start) - 1 for tree in trees)])
-    left = [
-        np.where(tree.feature >= 0, tree.left + nodes[t], tree.left + leaves[t])
-        for t, tree in enumerate(trees)
-    ]
-    return Forest(
-        nodes[:-1].astype(np.int32),
-        np.concatenate([tree.feature for tree in trees]),
-        np.concatenate([tree.threshold for tree in trees]),
-        np.concatenate(left).astype(np.int32),
-        join_votes(joint_votes),
-        join_votes(pair_votes),
-    )
 
 
 def join_votes(parts: list[Votes]) -> Votes:

@@ -39,7 +39,8 @@ class Parameters(NamedTuple):
 
     Attributes:
         autostart: whether the node configures and activates itself.
-        model: path of the model file; empty for the one that comes with the package.
+        model: path of the model file, or the name of one that comes with the package; empty for
+            its default.
         graph: whether the joints are estimated together, tied by limbs, or each alone.
         query_points: how many points of a silhouette vote; 0 for as many as in training.
         segmentation: how a body is told from what is behind it, one of SEGMENTATIONS.
@@ -143,7 +144,9 @@ DECLARATIONS: dict[str, Declaration] = {
     'autostart': Declaration(
         default=True, meaning='Configure and activate without being told to.', change=NEVER
     ),
-    'model': Declaration('', 'Path of the model file; empty for the one in the package.'),
+    'model': Declaration(
+        '', 'Path of the model file, or the name of one in the package; empty for its default.'
+    ),
     'graph': Declaration(
         default=True, meaning='Estimate the joints together, tied by limbs (eq. 16).'
     ),

@@ -4,7 +4,6 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import NamedTuple
 
 from rclpy.node import Node
@@ -16,7 +15,7 @@ from lsc_pose_ros.core.segmentation import make_segmenter
 from lsc_pose_ros.core.warm_up import warm_up, warm_up_segmenter
 from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.resources import default_model
+from lsc_pose_ros.resources import find_model
 from lsc_pose_ros.ros.outputs import Outputs
 from lsc_pose_ros.ros.parameter_rules import bad_query_points
 from lsc_pose_ros.ros.parameters import Parameters
@@ -83,9 +82,9 @@ def _told_if_it_takes_long(node: Node) -> Iterator[None]:
     node.get_logger().info(f'kernels ready in {seconds:.1f} s ({describe_cache()})')
 
 
-def _load(path: str) -> Model:
+def _load(name: str) -> Model:
     try:
-        file = Path(path) if path else default_model()
+        file = find_model(name)
     except InputError as error:
         msg = f'parameter model: {error}'
         raise InputError(msg) from error

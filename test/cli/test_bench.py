@@ -11,7 +11,6 @@ from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.core.frame import NO_BODY
 from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.benchmark import FrameTimes
 from lsc_pose_ros.learning.encoded_frame import encode_frame
 
@@ -104,13 +103,11 @@ def test_fewer_points_than_the_model_would_let_vote_all_vote(small_model_file, t
     assert results['points'] == results['query_points'] == 80
 
 
-def test_without_any_model_a_small_one_is_trained_and_told_of(monkeypatch, tmp_path, capsys):
-    def none() -> None:
-        msg = 'no model comes with this package'
-        raise InputError(msg)
-
+def test_without_any_model_a_small_one_is_trained_and_told_of(
+    shipped, monkeypatch, tmp_path, capsys
+):
+    assert not list(shipped.iterdir())
     quick = bench_command.TRAINING._replace(frames=6, width=160, height=120)
-    monkeypatch.setattr(bench_command, 'default_model', none)
     monkeypatch.setattr(bench_command, 'TRAINING', quick)
     results = bench('--frames', 2, '--size', '160x120', '--points', 60, folder=tmp_path)
     assert results['model'] == 'trained in this run on 6 synthetic frames'
@@ -119,10 +116,12 @@ def test_without_any_model_a_small_one_is_trained_and_told_of(monkeypatch, tmp_p
     assert 'trained in this run on 6 synthetic frames' in line
 
 
-def test_the_model_of_the_package_is_the_default(small_model_file, monkeypatch, tmp_path):
-    monkeypatch.setattr(bench_command, 'default_model', lambda: small_model_file)
-    results = bench('--frames', 1, '--size', '160x120', folder=tmp_path)
-    assert results['model'] == str(small_model_file)
+@pytest.mark.parametrize(('name', 'words'), [('default', ()), ('front', ('--model', 'front'))])
+def test_the_models_of_the_package(name, words, small_model_file, shipped, tmp_path):
+    path = shipped / f'{name}.npz'
+    path.write_bytes(small_model_file.read_bytes())
+    results = bench('--frames', 1, '--size', '160x120', *words, folder=tmp_path)
+    assert results['model'] == str(path)
     assert results['joints'] == len(load_model(small_model_file).joints)
 
 

@@ -92,3 +92,14 @@ def test_the_killed_recording(shared, capsys):
     printed = capsys.readouterr().out
     assert 'frames     152, labelled 0' in printed
     assert 'read up to there: 638 messages, 8.9 MB, 9.8 s' in printed
+
+
+def test_a_model_of_the_package_by_its_name(
+    small_model_file, shipped, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError, match='front'):
+        info('front')
+    (shipped / 'front.npz').write_bytes(small_model_file.read_bytes())
+    assert info('front') == 0
+    assert f'model        {shipped / "front.npz"}' in capsys.readouterr().out

@@ -300,6 +300,29 @@ def test_missing_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     assert 'no.mcap' in text
 
 
+def test_models_of_the_package(
+    recording: Path,
+    replay: Callable[..., Path],
+    small_model_file: Path,
+    shipped: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    wanted = of(replay(recording), SKELETONS_TOPIC)
+    output = tmp_path / 'other.mcap'
+    assert 'no model comes with this' in complain(capsys, recording, '-o', output)
+    for name, words in (('front', ('--model', 'front')), ('default', ())):
+        line = complain(capsys, recording, '-o', output, '--model', name)
+        assert f'no model {name} comes with' in line
+        (shipped / f'{name}.npz').write_bytes(small_model_file.read_bytes())
+        assert main(['replay', str(recording), '-o', str(output), *words]) == 0
+        assert of(output, SKELETONS_TOPIC) == wanted
+        output.unlink()
+    assert 'its models are default, front' in complain(
+        capsys, recording, '-o', output, '--model', 'back'
+    )
+
+
 def test_missing_model_leaves_no_output(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,6 +69,43 @@ def test_train_writes_a_model_and_its_figures(recordings, tmp_path, capsys):
     assert sorted(p.name for p in tmp_path.iterdir()) == ['figures.json', 'me.npz']
 
 
+def test_train_learns_from_noisy_depth_and_from_the_mirror_as_it_is_told(recordings, tmp_path):
+    path = tmp_path / 'me.npz'
+    noisy = ['--fewest-neighbours', '3', '--smoothing-sigma', '0.1', '--edge-threshold', '0.08']
+    words = ['train', recordings[1], '-o', str(path), *SMALL, *noisy, '--mirror']
+    assert main([*words, '--hold-out', '0']) == 0
+    found = load_model(path)
+    assert found.settings.fewest_neighbours == 3
+    assert found.settings.smoothing_sigma == 0.1
+    assert found.settings.edge_threshold == 0.08
+    assert found.provenance['mirrored'] == 'yes'
+    assert found.provenance['people'] == '60'
+
+
+def test_train_learns_where_people_face(recordings, tmp_path, capsys):
+    path = tmp_path / 'me.npz'
+    words = ['train', recordings[1], '-o', str(path), *SMALL, '--facing']
+    said = complaint(capsys, words)
+    assert said.endswith('also learn l_shoulder, r_shoulder, l_hip, r_hip, or leave out --facing')
+    assert not path.exists()
+    assert main([*words, '--joints', 'l_shoulder', 'r_shoulder', 'l_hip', 'r_hip']) == 0
+    found = load_model(path)
+    assert found.facing is not None
+    assert found.provenance['facing learnt'] == 'yes'
+    assert main(['evaluate', str(path), recordings[1]]) == 0
+
+
+@pytest.mark.parametrize(
+    ('option', 'value'),
+    [('--fewest-neighbours', '9'), ('--smoothing-sigma', '-1'), ('--edge-threshold', '0')],
+)
+def test_train_refuses_settings_that_make_no_sense(option, value, recordings, tmp_path, capsys):
+    words = ['train', recordings[0], '-o', str(tmp_path / 'me.npz'), option, value]
+    with pytest.raises(SystemExit):
+        main(words)
+    assert option in capsys.readouterr().err
+
+
 @pytest.mark.parametrize('graph', [True, False])
 def test_evaluate_prints_a_table_and_writes_the_agreed_results(
     graph, model, recordings, tmp_path, capsys
@@ -101,6 +139,100 @@ def test_evaluate_prints_a_table_and_writes_the_agreed_results(
     assert 0 < results['ms_per_frame']['p50'] <= results['ms_per_frame']['p95']
 
 
+def test_without_a_model_the_one_of_the_package_is_measured(
+    model, recordings, shipped, tmp_path, capsys
+):
+    path = tmp_path / 'results.json'
+    said = ['--json', path]
+    assert 'no model comes with this' in complaint(capsys, ['evaluate', recordings[1], *said])
+    for name in ('default', 'front'):
+        (shipped / f'{name}.npz').write_bytes(Path(model).read_bytes())
+    for words, name, count in (
+        ([recordings[1]], 'default', 30),
+        ([*recordings], 'default', 180),
+        (['--model', 'front', recordings[1]], 'front', 30),
+        (['front', *said, recordings[1]], 'front', 30),
+        ([shipped / 'front.npz', recordings[1]], 'front', 30),
+    ):
+        assert main(['evaluate', *map(str, [*words, *said])]) == 0
+        results = json.loads(path.read_text())
+        assert results['model'] == str(shipped / f'{name}.npz')
+        assert results['frames'] == count
+
+
+def test_which_word_is_the_model_is_said_where_it_is_not_clear(
+    model, recordings, shipped, tmp_path, capsys
+):
+    assert shipped.is_dir()
+    line = complaint(capsys, ['evaluate', model])
+    assert 'no recording is named; give `lsc_pose evaluate` one after the model' in line
+    line = complaint(capsys, ['evaluate', model, recordings[1], '--model', tmp_path / 'b.npz'])
+    assert 'two models are named' in line
+    line = complaint(capsys, ['evaluate', 'backwards', recordings[1]])
+    assert 'no model backwards comes with' in line
+    with pytest.raises(SystemExit) as stop:
+        main(['evaluate'])
+    assert stop.value.code == 2
+
+
+@pytest.fixture(scope='module')
+def moved(recordings, people, tmp_path_factory):
+    """The recording to be tested on, as other labels put it: the head 30 cm farther up."""
+    frames = []
+    for frame in people[150:180]:
+        positions = frame.truth.positions.copy()
+        positions[:, frame.truth.joints == 0] += np.array([0, -0.3, 0], np.float32)
+        frames.append(frame._replace(truth=frame.truth._replace(positions=positions)))
+    assert recordings
+    folder = tmp_path_factory.mktemp('moved')
+    return record(folder / 'fit.mcap', frames[::2]), record(folder / 'test.mcap', frames[1::2])
+
+
+def test_results_with_and_without_offsets(model, moved, tmp_path, capsys):
+    path = tmp_path / 'results.json'
+    words = ['evaluate', model, moved[1], '--offsets-from', moved[0], '--json', str(path)]
+    assert main(words) == 0
+    table = capsys.readouterr().out
+    assert 'with offsets' in table.splitlines()[0]
+    results = json.loads(path.read_text())
+    assert main(['evaluate', model, moved[1], '--json', str(path)]) == 0
+    plain = json.loads(path.read_text())
+    assert 'with_offsets' not in plain
+    for name in ('map', 'mean_error_m', 'joints', 'confidence', 'recordings'):
+        assert results[name] == plain[name]
+    fitted = results['with_offsets']
+    assert fitted['offsets_from'] == [moved[0]]
+    assert set(fitted['offsets_m']) == set(results['joints'])
+    assert fitted['offsets_m']['head'][1] == pytest.approx(-0.3, abs=0.05)
+    assert abs(fitted['offsets_m']['neck'][1]) < 0.05
+    assert results['joints']['head']['ap'] < 0.1
+    assert fitted['joints']['head']['ap'] > 0.8
+    assert fitted['map'] == pytest.approx(np.mean([s['ap'] for s in fitted['joints'].values()]))
+    assert fitted['map'] > results['map'] + 0.2
+    assert fitted['mean_error_m'] < results['mean_error_m'] - 0.05
+    assert fitted['confidence']['ece'] < results['confidence']['ece']
+
+
+def test_some_joints_only(model, recordings, tmp_path, capsys):
+    path = tmp_path / 'results.json'
+    words = ['evaluate', model, recordings[1], '--json', str(path)]
+    assert main(words) == 0
+    whole = json.loads(path.read_text())
+    assert main([*words, '--joints', 'l_knee', 'head']) == 0
+    some = json.loads(path.read_text())
+    assert some['joints'] == {name: whole['joints'][name] for name in ('head', 'l_knee')}
+    assert some['map'] == pytest.approx(np.mean([s['ap'] for s in some['joints'].values()]))
+    capsys.readouterr()
+    line = complaint(capsys, [*words, '--joints', 'l_hand'])
+    assert 'does not estimate l_hand; its joints are head, neck, l_knee' in line
+
+
+def test_recordings_for_the_offsets_need_truth(model, recordings, people, tmp_path, capsys):
+    path = record(tmp_path / 'bare.mcap', [f._replace(truth=None) for f in people[:3]])
+    words = ['evaluate', model, recordings[1], '--offsets-from', path]
+    assert 'bare.mcap has no ground truth' in complaint(capsys, words)
+
+
 def test_fewer_points_may_vote(model, recordings, tmp_path):
     path = tmp_path / 'results.json'
     words = ['evaluate', model, recordings[1], '--json', str(path)]
@@ -132,8 +264,10 @@ def test_a_missing_recording(model, tmp_path, capsys):
 def test_a_missing_and_a_wrong_model_file(recordings, tmp_path, capsys):
     line = complaint(capsys, ['evaluate', tmp_path / 'gone.npz', recordings[1]])
     assert 'there is no model file' in line
-    line = complaint(capsys, ['evaluate', recordings[0], recordings[1]])
-    assert 'learn.mcap is not a usable model file' in line
+    other = tmp_path / 'other.npz'
+    other.write_bytes(b'PK is not enough')
+    line = complaint(capsys, ['evaluate', other, recordings[1]])
+    assert 'other.npz is not a usable model file' in line
 
 
 def test_a_folder_that_is_not_there_is_found_out_before_the_training(recordings, tmp_path, capsys):

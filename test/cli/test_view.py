@@ -160,6 +160,49 @@ def test_a_wrong_topic_of_skeletons_is_refused(
     assert '/mask is no topic with skeletons' in refused(capsys, *words, '/mask')
 
 
+def test_the_model_of_the_package_draws_what_no_recording_holds(
+    people: list[Frame],
+    recording: Path,
+    model: Path,
+    shipped: Path,
+    tmp_path: Path,
+    drawn: list[DrawnFrame],
+) -> None:
+    bare = tmp_path / 'bare.mcap'
+    with RecordingWriter(bare) as writer:
+        for frame in people[:3]:
+            writer.write_frame(frame._replace(truth=None))
+    words = ['view', str(bare), '-o', str(tmp_path / 'a.png')]
+    assert main(words) == 0  # no model comes with the package
+    assert [each.estimate for each in drawn] == [None] * 3
+    drawn.clear()
+    (shipped / 'default.npz').write_bytes(model.read_bytes())
+    assert main(words) == 0
+    assert [each.estimate is not None for each in drawn] == [True] * 3
+    drawn.clear()
+    words[1] = str(recording)  # true skeletons are enough to look at
+    assert main(words) == 0
+    assert all(each.estimate is None for each in drawn)
+    drawn.clear()
+    assert main([*words, '--model', 'default', '--frames', '2']) == 0
+    assert [each.estimate is not None for each in drawn] == [True] * 2
+
+
+def test_stages_with_the_model_of_the_package(
+    recording: Path,
+    model: Path,
+    shipped: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    words = ['view', str(recording), '-o', str(tmp_path / 'stages'), '--stages', '0']
+    assert main(words) == 0
+    without = len(capsys.readouterr().out.splitlines())
+    (shipped / 'default.npz').write_bytes(model.read_bytes())
+    assert main(words) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 9 > without
+
+
 def test_stages_into_a_folder(
     recording: Path, model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -1,19 +1,20 @@
 """People in a room with floor, walls, ceiling and furniture, as a depth camera sees them."""
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.frame import NO_BODY
-from lsc_pose_ros.data.synthetic.generator import (
-    SyntheticSettings,
-    _before_camera,
-    _draw_person,
-    camera_of,
-)
-from lsc_pose_ros.data.synthetic.render import Image, render
-from lsc_pose_ros.data.synthetic.sensor import kinect_noise
+from lsc_pose_ros.data.synthetic import cast
+from lsc_pose_ros.data.synthetic.articulation import articulate, rig_of
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, camera_of
+from lsc_pose_ros.data.synthetic.image import Image
+from lsc_pose_ros.data.synthetic.mesh_render import Mesh, render_meshes
+from lsc_pose_ros.data.synthetic.motion import Motion
+from lsc_pose_ros.data.synthetic.pose import ANGLE_NUMBERS, ANGLES
+from lsc_pose_ros.data.synthetic.sensors import sense
 from lsc_pose_ros.data.synthetic.stage import Stage
 
 
@@ -54,8 +55,34 @@ class Person(NamedTuple):
     seed: int = 0
 
 
-def settings(width: int, frames: int = 30) -> SyntheticSettings:
-    return SyntheticSettings(width=width, height=width * 3 // 4, clip_length=frames, yaw=40.0)
+def settings(width: int) -> SyntheticSettings:
+    return SyntheticSettings(width=width, height=width * 3 // 4)
+
+
+@cache
+def everybody() -> cast.Cast:
+    return cast.Cast(settings(320))
+
+
+@cache
+def somebody(seed: int) -> cast.Person:
+    """Somebody who stands, arms a little or farther aside of the body."""
+    random = np.random.Generator(np.random.PCG64(seed))
+    rest = everybody().draw(random)
+    angles = np.zeros(len(ANGLES))
+    chances = dict(zip(ANGLES, random.random(len(ANGLES)), strict=True))
+    for name, low, high in (
+        ('plane', -10, 40),
+        ('elevation', 15, 60),
+        ('elbow', 5, 50),
+        ('hip_abduction', 4, 12),
+    ):
+        for side in ('l', 'r'):
+            joint = f'{side}_{name}'
+            angles[ANGLE_NUMBERS[joint]] = np.radians(low + (high - low) * chances[joint])
+    rotations = articulate(rig_of(everybody().body, rest), angles[None])
+    yaw = np.radians(40) * (2 * random.random(1) - 1)
+    return everybody().place(rest, Motion(rotations, yaw))
 
 
 def empty_room(room: Room, camera: Intrinsics, width: int, height: int) -> np.ndarray:
@@ -80,23 +107,26 @@ def empty_room(room: Room, camera: Intrinsics, width: int, height: int) -> np.nd
 
 
 def look(
-    room: Room, people: list[Person], *, width: int = 320, frame: int = 0, noise_seed: int = 1
+    room: Room, people: list[Person], *, width: int = 320, noise_seed: int = 1
 ) -> tuple[Image, Intrinsics]:
     """Return what a Kinect in the room sees, and its intrinsics; people are numbered from 1."""
-    asked = settings(width)
-    camera, height = camera_of(asked), asked.height
+    camera, height = camera_of(settings(width)), width * 3 // 4
     depth = empty_room(room, camera, width, height)
     labels = np.full(depth.shape, NO_BODY, np.int32)
-    if people:
-        drawn = [_draw_person(asked, np.random.default_rng(each.seed)) for each in people]
-        offsets = np.array([(each.x, room.camera_height, each.z) for each in people])
-        cones, bodies, _ = _before_camera(drawn, Stage(room.to_camera, offsets), frame)
-        seen = render(cones, bodies, camera, width, height)
-        nearer = (seen.labels != NO_BODY) & (seen.depth < depth)
-        depth = np.where(nearer, seen.depth, depth)
-        labels[nearer] = seen.labels[nearer]
+    offsets = np.array([(each.x, room.camera_height, each.z) for each in people])
+    stage = Stage(room.to_camera, offsets)
+    drawn = [
+        everybody().before_camera(somebody(each.seed), 0, stage, number)
+        for number, each in enumerate(people)
+    ]
+    triangles = everybody().body.triangles
+    meshes = [Mesh(body.vertices, triangles, number) for number, body in enumerate(drawn, 1)]
+    seen = render_meshes(meshes, camera, width, height)
+    nearer = (seen.labels != NO_BODY) & (seen.depth < depth)
+    depth = np.where(nearer, seen.depth, depth)
+    labels[nearer] = seen.labels[nearer]
     clean = Image(depth.astype(np.float32), labels)
-    return kinect_noise(clean, camera, np.random.default_rng(noise_seed)), camera
+    return sense('kinect_v1', clean, camera, np.random.default_rng(noise_seed)), camera
 
 
 def overlap(found: np.ndarray, true: np.ndarray) -> float:

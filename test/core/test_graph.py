@@ -10,7 +10,11 @@ from lsc_pose_ros.core.votes import CastVotes
 # Two trees, as the paper has them: 0 - (1, 2 - 3) and 4 - 5.
 EDGES = np.array([[0, 1], [0, 2], [2, 3], [4, 5]], np.int32)
 JOINTS = 6
+NO_LEGS = np.empty((0, 2), np.int32)
+# One pair in one tree and one between the trees.
+LEGS = np.array([[3, 1], [5, 2]], np.int32)
 FLOOR = 1e-6
+CROWDED = 5.0
 
 
 def cast_votes(start: list[int], place: np.ndarray, weight: np.ndarray) -> CastVotes:
@@ -29,14 +33,19 @@ def cast(rng: np.random.Generator, centres: np.ndarray, empty: int | None) -> Ca
 
 
 def problem(
-    seed: int, *, empty_joint: int | None = None, empty_edge: int | None = None
+    seed: int,
+    *,
+    empty_joint: int | None = None,
+    empty_edge: int | None = None,
+    legs: np.ndarray = NO_LEGS,
 ) -> tuple[Structure, CastVotes, CastVotes, Candidates]:
     """Return joints, limbs that roughly fit them, and two candidates a joint among its votes."""
     rng = np.random.default_rng(seed)
     centres = rng.normal(0, 0.3, (JOINTS, 3))
     limbs = centres[EDGES[:, 1]] - centres[EDGES[:, 0]] + rng.normal(0, 0.1, (len(EDGES), 3))
     joints, pairs = cast(rng, centres, empty_joint), cast(rng, limbs, empty_edge)
-    structure = Structure(EDGES, rng.uniform(0.1, 0.5, len(EDGES)).astype(np.float32), 0.07, 1.5)
+    lengths = rng.uniform(0.1, 0.5, len(EDGES)).astype(np.float32)
+    structure = Structure(EDGES, lengths, 0.07, 1.5, legs, 0.4)
     places = rng.normal(0, 0.3, (JOINTS, 2, 3)).astype(np.float32)
     counts = rng.integers(1, 3, JOINTS)
     for joint in range(JOINTS):
@@ -60,21 +69,28 @@ def log_sum(place: np.ndarray, votes: CastVotes, target: int, h: float) -> float
 def log_g(
     structure: Structure, joints: CastVotes, pairs: CastVotes, places: dict[int, np.ndarray]
 ) -> float:
-    """The logarithm of equation 17 over the joints in `places`."""
+    """The logarithm of equation 17 over the joints in `places`, and of how the legs get on."""
     total = sum(log_sum(x, joints, j, structure.joint_bandwidth) for j, x in places.items())
     for edge, (i, j) in enumerate(structure.edges.tolist()):
         if i in places and j in places:
             h = float(structure.limb_lengths[edge])
             total += structure.pair_weight * log_sum(places[j] - places[i], pairs, edge, h)
+    for left, right in structure.legs.tolist():
+        if left in places and right in places:
+            distance = float(np.linalg.norm(places[left] - places[right]))
+            total -= CROWDED * max(0.0, 1 - distance / structure.legs_apart)
     return float(total)
 
 
 @pytest.mark.parametrize('seed', range(20))
 @pytest.mark.parametrize('empty', [(None, None), (2, None), (None, 1), (5, 0)])
+@pytest.mark.parametrize('legs', [NO_LEGS, LEGS], ids=['as in the paper', 'legs apart'])
 def test_the_choice_is_the_best_of_all_combinations(
-    seed: int, empty: tuple[int | None, int | None]
+    seed: int, empty: tuple[int | None, int | None], legs: np.ndarray
 ) -> None:
-    structure, joints, pairs, candidates = problem(seed, empty_joint=empty[0], empty_edge=empty[1])
+    structure, joints, pairs, candidates = problem(
+        seed, empty_joint=empty[0], empty_edge=empty[1], legs=legs
+    )
     chosen = best_candidates(structure, joints, pairs, candidates)
 
     def score(which: tuple[int, ...]) -> float:
@@ -131,7 +147,30 @@ def test_the_pair_density_decides_between_equal_candidates() -> None:
     places = np.array([[0, 0, 2], [0.3, 0, 2], [-0.3, 0, 2]])
     joints = cast_votes([0, 1, 3], places, np.ones(3))
     pairs = cast_votes([0, 1], np.array([[-0.3, 0, 0]]), np.ones(1))
-    structure = Structure(np.array([[0, 1]], np.int32), np.array([0.3], np.float32), 0.07, 1.0)
+    structure = Structure(
+        np.array([[0, 1]], np.int32), np.array([0.3], np.float32), 0.07, 1.0, NO_LEGS, 0.0
+    )
     places = np.array([[[0, 0, 2], [0, 0, 0]], [[0.3, 0, 2], [-0.3, 0, 2]]], np.float32)
     chosen = best_candidates(structure, joints, pairs, Candidates(places, np.array([1, 2])))
     assert chosen.tolist() == [0, 1]
+
+
+@pytest.mark.parametrize(('apart', 'expected'), [(0.12, [0, 1]), (0.0, [0, 0])])
+def test_legs_that_crowd_each_other_take_the_next_best_place(
+    apart: float, expected: list[int]
+) -> None:
+    """Most votes for either ankle are at one place; fewer for the right one are at another."""
+    places = np.array([[0, 0, 2], [0.02, 0, 2], [0.3, 0, 2]])
+    joints = cast_votes([0, 1, 3], places, np.array([1, 1, 0.4]))
+    nothing = cast_votes([0], np.empty((0, 3)), np.empty(0))
+    structure = Structure(
+        np.empty((0, 2), np.int32),
+        np.empty(0, np.float32),
+        0.07,
+        1.0,
+        np.array([[0, 1]], np.int32),
+        apart,
+    )
+    spots = np.array([[[0, 0, 2], [0, 0, 0]], [[0.02, 0, 2], [0.3, 0, 2]]], np.float32)
+    chosen = best_candidates(structure, joints, nothing, Candidates(spots, np.array([1, 2])))
+    assert chosen.tolist() == expected

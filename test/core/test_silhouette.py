@@ -9,6 +9,7 @@ from lsc_pose_ros.core.silhouette import (
     Window,
     choose_uniformly,
     cut_out,
+    drop_flying,
     find_edges,
     find_silhouette,
     smooth,
@@ -39,6 +40,16 @@ def smooth_twin(depth: np.ndarray, window: Window, sigma: float) -> np.ndarray:
         weight = np.where(inside, np.exp(-(distance**2) / (2 * sigma**2)), 0)
         result[i, j] = (weight * flat[near]).sum() / weight.sum()
     return result
+
+
+def drop_flying_twin(depth: np.ndarray, fewest: int, distance: float) -> np.ndarray:
+    """What has fewer than `fewest` of its eight neighbours within `distance` of its depth."""
+    kept = depth.copy()
+    for i, j in np.argwhere(np.isfinite(depth)):
+        near = np.abs(depth[i - 1 : i + 2, j - 1 : j + 2] - depth[i, j]) <= np.float32(distance)
+        if near.sum() - 1 < fewest:
+            kept[i, j] = np.inf
+    return kept
 
 
 def edges_twin(depth: np.ndarray, threshold: float) -> np.ndarray:
@@ -82,6 +93,41 @@ def test_smooth_is_equation_1(seed: int, sigma: float) -> None:
     expected = smooth_twin(window.depth, window, sigma)
     for function in (smooth, plain.smooth):
         np.testing.assert_allclose(function(window, CAMERA, sigma), expected, atol=2e-5)
+
+
+@pytest.mark.parametrize('seed', range(5))
+@pytest.mark.parametrize('fewest', [0, 1, 3, 8, 9])
+def test_flying_pixels_are_those_with_few_neighbours_at_their_depth(
+    seed: int, fewest: int
+) -> None:
+    depth, labels = random_body(seed)
+    window = cut_out(depth, labels, 3)
+    assert window is not None
+    kept = drop_flying(window.depth, fewest, 0.1)
+    np.testing.assert_array_equal(kept, drop_flying_twin(window.depth, fewest, 0.1))
+    assert (np.isfinite(kept).sum() == np.isfinite(window.depth).sum()) == (fewest == 0)
+
+
+def test_a_silhouette_is_found_without_flying_pixels_where_the_settings_say_so() -> None:
+    depth = np.zeros((30, 30), np.float32)
+    depth[8:22, 8:22] = 2.0
+    flying = np.zeros(depth.shape, bool)
+    flying[8:22:2, 22] = True  # every other pixel along one side, on the way to the wall
+    depth[flying] = 2.6
+    window = cut_out(depth, np.zeros(depth.shape, np.int32), 0)
+    assert window is not None
+    silhouette = find_silhouette(window, CAMERA, Settings(fewest_neighbours=3))
+    assert set(silhouette.columns.tolist()) == set(range(8, 22))
+    assert len(silhouette.points) == 4 * 13  # corners have three neighbours
+    raw = find_silhouette(window, CAMERA, Settings(fewest_neighbours=0))
+    assert flying[raw.rows, raw.columns].sum() == 7
+
+
+def test_flying_pixels_are_no_reason_to_take_out_what_the_image_cuts() -> None:
+    depth = np.full((10, 10), 2.0, np.float32)
+    window = cut_out(depth, np.ones((10, 10), np.int32), 1)
+    assert window is not None
+    np.testing.assert_array_equal(drop_flying(window.depth, 3, 0.1), window.depth)
 
 
 def test_smooth_with_sigma_zero_and_of_one_pixel_changes_nothing() -> None:

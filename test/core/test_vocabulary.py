@@ -9,6 +9,7 @@ from lsc_pose_ros.core.joints import (
     JOINT_NAMES,
     JOINT_NUMBERS,
     default_edges,
+    leg_pairs,
     names_of,
     numbers_of,
 )
@@ -109,3 +110,13 @@ def test_unpack_is_the_inverse_of_pack(bodies):
 
 def test_nobody_is_an_empty_cloud_with_the_models_width():
     assert pack(no_skeletons(np.arange(17, dtype=np.uint16))).shape == (0, 17)
+
+
+def test_legs_are_paired_left_with_right_where_both_are_known():
+    numbers = numbers_of(['head', 'l_hip', 'r_hip', 'l_knee', 'r_knee', 'l_ankle', 'r_foot'])
+    names = names_of(numbers)
+    assert [(names[left], names[right]) for left, right in leg_pairs(numbers)] == [
+        ('l_knee', 'r_knee')
+    ]
+    assert leg_pairs(range(20)).tolist() == [[9, 17], [10, 18], [11, 19]]
+    assert leg_pairs(numbers_of(['head'])).shape == (0, 2)

@@ -24,7 +24,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two people, whose masks change numbers, and then one of them alone."""
     path = tmp_path_factory.mktemp('answering') / 'two.mcap'
     settings = SyntheticSettings(
-        frames=16, seed=2, width=160, height=120, distance=(2.4, 3.0), people=2
+        frames=16, seed=2, width=160, height=120, distance=(2.4, 3.0), people=2, rate=30.0
     )
     with RecordingWriter(path) as writer:
         for number, frame in enumerate(synthetic_frames(settings)):

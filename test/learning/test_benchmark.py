@@ -107,6 +107,18 @@ def test_the_fast_way_is_that_of_the_estimator(queries, small_model, people):
     assert np.isnan(walked.positions[2]).all()
 
 
+def test_the_fast_way_is_that_of_the_estimator_where_facings_are_known(
+    facing_model, all_round_people
+):
+    encoded = encode_frame(side_by_side(all_round_people[5], all_round_people[125]))
+    depth, labels = decode_frame(encoded)
+    expected = Estimator(facing_model).estimate(depth, labels, encoded.camera)
+    walked = walk(facing_model, encoded, FAST)
+    np.testing.assert_array_equal(walked.positions, expected.positions)
+    np.testing.assert_array_equal(walked.confidence, expected.confidence)
+    assert np.isfinite(walked.positions[:2]).all()
+
+
 @pytest.mark.parametrize('queries', [150, 40])
 def test_the_plain_way_leads_to_the_same_joints(queries, small_model, encoded):
     settings = small_model.settings._replace(query_points=queries)

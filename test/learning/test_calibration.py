@@ -3,7 +3,7 @@ import pytest
 
 from lsc_pose_ros.core.confidence import KNOTS, support
 from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.data.synthetic.generator import synthetic_frames
 from lsc_pose_ros.learning.calibration import (
     Evidence,
     calibrate,
@@ -111,16 +111,9 @@ def test_nobody_leaves_the_model_as_it_is(small_model):
     assert calibrate(bare, []) is bare
 
 
-def test_calibrated_confidence_can_be_believed_with_strangers(small_model):
+def test_calibrated_confidence_can_be_believed_with_strangers(small_model, easy):
     def strangers(seed, frames):
-        return list(
-            synthetic_frames(
-                SyntheticSettings(
-                    frames=frames, seed=seed, width=160, height=120, yaw=20.0,
-                    distance=(2.8, 3.4), clip_length=5,
-                )
-            )
-        )  # fmt: skip
+        return list(synthetic_frames(easy._replace(frames=frames, seed=seed, clip_length=5)))
 
     bare = small_model._replace(calibration=small_model.calibration[:0])
     teachers = labelled_people(strangers(31, 150), bare.joints, bare.settings)

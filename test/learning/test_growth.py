@@ -240,6 +240,50 @@ def test_partition_keeps_orders():
     np.testing.assert_array_equal(members, [*before[low], *before[~low]])
 
 
+@pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])  # by find_split, and in a branch
+@pytest.mark.parametrize('always', [1, 2])
+def test_the_last_features_are_tried_at_every_node(always, branch, monkeypatch):
+    """Only they tell the samples apart, and of 300 others a node tries one."""
+    monkeypatch.setattr('lsc_pose_ros.learning.growth.BRANCH_SAMPLES', branch)
+    rng = np.random.default_rng(always)
+    corner = rng.integers(0, 4, 1600)
+    levels = rng.integers(0, 256, (302, 1600)).astype(np.uint8)
+    # Which of two halves, and which half of that; with one feature, it tells both.
+    levels[-1] = 60 * corner if always == 1 else 100 * (corner // 2)
+    levels[-2] = 100 * (corner % 2) if always == 2 else 0
+    evidence = sparse(np.eye(4)[corner][..., None])
+    settings = GrowthSettings(depth=2, features=1, always=always)
+    tree = grow_tree(levels, evidence, settings, np.random.default_rng(0))
+    assert set(tree.feature.tolist()) == {-1, *range(302 - always, 302)}
+    corners = [set(corner[leaf]) for leaf in np.split(tree.order, tree.leaf_start[1:-1])]
+    assert sorted(corners) == [{0}, {1}, {2}, {3}]
+
+
+@pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])
+def test_beside_the_last_features_others_are_drawn(branch, monkeypatch):
+    monkeypatch.setattr('lsc_pose_ros.learning.growth.BRANCH_SAMPLES', branch)
+    rng = np.random.default_rng(0)
+    levels, weights = random_samples(0, 2000)
+    levels[-2:] = 7  # of no use
+    settings = GrowthSettings(features=3, leaf_samples=10, always=2)
+    tree = grow_tree(levels, sparse(weights[..., None]), settings, rng)
+    used = np.unique(tree.feature[tree.feature >= 0])
+    assert len(used) > 30
+    assert used.max() < 358
+
+
+@pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])
+def test_all_features_can_be_tried_always(branch, monkeypatch):
+    monkeypatch.setattr('lsc_pose_ros.learning.growth.BRANCH_SAMPLES', branch)
+    rng = np.random.default_rng(0)
+    weights = rng.dirichlet(np.ones(4), 500).astype(np.float32)
+    levels = rng.integers(0, 256, (2, 500), np.uint8)
+    settings = GrowthSettings(depth=3, always=2)
+    tree = grow_tree(levels, sparse(weights[..., None]), settings, rng)
+    assert set(tree.feature.tolist()) <= {-1, 0, 1}
+    assert len(tree.leaf_start) > 3
+
+
 def walk(tree, node=0, depth=0):
     """Yield each leaf's number with its depth."""
     if tree.feature[node] < 0:

@@ -21,6 +21,7 @@ def evaluation(errors, confidence):
         np.ones(len(errors), np.uint16),
         np.full(len(errors), 0.01),
         np.array(confidence, np.float32),
+        np.full((*np.shape(errors), 3), NAN, np.float32),
     )
 
 

@@ -7,7 +7,7 @@ from lsc_pose_ros.core.estimator import Estimator
 from lsc_pose_ros.core.frame import NO_BODY
 from lsc_pose_ros.core.joints import numbers_of
 from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.data.synthetic.generator import synthetic_frames
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.evaluate import evaluate, joint_errors, summarise
 from lsc_pose_ros.learning.samples import (
@@ -21,12 +21,9 @@ from lsc_pose_ros.learning.train import GIBIBYTE, limb_lengths, train
 
 
 @pytest.fixture(scope='module')
-def strangers():
+def strangers(easy):
     """People that the model has not seen."""
-    settings = SyntheticSettings(
-        frames=40, seed=77, width=160, height=120, yaw=20.0, distance=(2.8, 3.4), clip_length=8
-    )
-    return list(synthetic_frames(settings))
+    return list(synthetic_frames(easy._replace(frames=40, seed=77, clip_length=8)))
 
 
 @pytest.mark.parametrize('graph', [True, False])

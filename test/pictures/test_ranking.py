@@ -14,6 +14,7 @@ def evaluation(frames: list[int], errors: list[list[float]]) -> Evaluation:
         np.ones(len(frames), np.uint16),
         np.full(max(frames) + 1, 0.01),
         np.ones((len(frames), 2), np.float32),
+        np.full((len(frames), 2, 3), NAN, np.float32),
     )
 
 

@@ -31,6 +31,7 @@ def evaluation() -> Evaluation:
         np.ones(40, np.uint16),
         np.full(40, 0.01),
         rng.random(errors.shape, np.float32),
+        np.full((*errors.shape, 3), np.nan, np.float32),
     )
 
 

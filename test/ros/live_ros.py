@@ -60,6 +60,7 @@ def wait_until(true: Callable[[], object], seconds: float = TIMEOUT) -> bool:
 def generate(folder: Path, **settings: object) -> list[Frame]:
     """Synthetic frames as a recording gives them, depth from whole millimetres."""
     small = {'frames': 30, 'seed': 9, 'width': 160, 'height': 120, 'distance': (1.8, 2.6)}
+    small |= {'rate': 30.0, 'clip_length': 30}
     with RecordingWriter(folder / 'generated.mcap') as writer:
         for frame in synthetic_frames(SyntheticSettings(**(small | settings))):
             writer.write_frame(frame)

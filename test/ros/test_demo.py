@@ -16,6 +16,7 @@ from lsc_pose_ros.core.camera import back_project
 from lsc_pose_ros.core.frame import Frame
 from lsc_pose_ros.core.skeletons import Skeletons
 from lsc_pose_ros.data.answering import SKELETONS_TOPIC
+from lsc_pose_ros.data.model_file import load_model
 from lsc_pose_ros.data.recording import RawMessage, RecordingWriter, open_frames
 from lsc_pose_ros.data.recording.raw import POINT_CLOUD
 from lsc_pose_ros.data.recording.serialise import skeletons_message
@@ -117,21 +118,64 @@ def poses(recording: Path) -> Iterator[tuple[np.ndarray, np.ndarray]]:
             yield np.median(points, axis=0), joints
 
 
-def test_whole_demonstration_in_small(start: Callable[..., Program], tmp_path: Path) -> None:
+@pytest.fixture
+def workspace(small_model_file: Path, tmp_path: Path) -> Path:
+    """A workspace to be sourced, in which a small model is the package's."""
+    models = tmp_path / 'install' / 'share' / 'lsc_pose_ros' / 'models'
+    models.mkdir(parents=True)
+    (models / 'default.npz').write_bytes(small_model_file.read_bytes())
+    return tmp_path / 'install'
+
+
+def test_whole_demonstration_in_small(
+    start: Callable[..., Program], workspace: Path, tmp_path: Path
+) -> None:
     code = (
-        'import sys, lsc_pose_ros.demo as demo\n'
+        'import os, sys, lsc_pose_ros.demo as demo\n'
+        'prefixes = os.environ.get("AMENT_PREFIX_PATH", "")\n'
+        f'os.environ["AMENT_PREFIX_PATH"] = {str(workspace)!r} + os.pathsep + prefixes\n'
         'demo.TRAINING_FRAMES, demo.TEST_FRAMES = 300, 20\n'
         f'sys.exit(demo.main(["--directory", {str(tmp_path / "demo")!r}]))'
     )
     program = start('-c', code)
     program.ends(seconds=200)
     assert re.search(r'answered (19|20) of 20 frames over ROS 2', program.output), program.output
-    error = float(re.search(r'Mean error of its joints: ([\d.]+) cm', program.output)[1])
-    # It has learned from 10 people only, but more than how people stand on the average.
     folder = tmp_path / 'demo'
+    rows = re.findall(
+        r"^the (?:package's|one trained here) +([\d.]+) cm +([\d.]+) %$",
+        program.output,
+        re.MULTILINE,
+    )
+    assert len(rows) == 2, program.output
+    # It has learned from a few people only, but more than how people stand on the average.
     baseline = error_of_the_mean_pose(folder / 'training.mcap', folder / 'test.mcap')
-    assert error < 70 * baseline, baseline
-    assert (tmp_path / 'demo' / 'live.png').stat().st_size > 10_000
-    log = (tmp_path / 'demo' / 'node.log').read_text()
+    assert float(rows[1][0]) < 70 * baseline, baseline
+    own = load_model(folder / 'model.npz')
+    assert own.joints.tolist() == load_model(default_in(workspace)).joints.tolist()
+    assert (folder / 'live.png').stat().st_size > 10_000
+    log = (folder / 'node.log').read_text()
     assert 'Traceback' not in log
     assert 'ERROR' not in log
+
+
+def default_in(workspace: Path) -> Path:
+    return workspace / 'share' / 'lsc_pose_ros' / 'models' / 'default.npz'
+
+
+def test_without_a_model_of_the_package_it_ends_with_a_reason(
+    shipped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture
+) -> None:
+    assert shipped.is_dir()
+    monkeypatch.setattr(demo, 'isolated_environment', dict)
+    assert demo.main(['--directory', str(tmp_path / 'demo')]) == 2
+    assert 'no model comes with this' in capfd.readouterr().err
+
+
+def test_summary_compares_both_models(tmp_path: Path) -> None:
+    scores = {'one': demo.Score(0.043, 0.951), 'other': demo.Score(0.061, 0.9)}
+    said = demo.summary(demo.Outcome(20, 19, 0.05), scores, demo._files(tmp_path), 61.4)
+    assert 'answered 19 of 20 frames' in said
+    assert 'as good as expected; all took 61 s' in said
+    assert 'NOT' not in said
+    assert re.search(r'^one +4\.3 cm +95\.1 %$', said, re.MULTILINE)
+    assert re.search(r'^other +6\.1 cm +90\.0 %$', said, re.MULTILINE)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.frame import NO_BODY
-from lsc_pose_ros.core.jit import kernel
-from lsc_pose_ros.data.synthetic.render import Image
+from lsc_pose_ros.core.jit import exact_kernel
+from lsc_pose_ros.data.synthetic.image import Image
 
 PARTS = 256
 """Of a pixel, to which corners are rounded."""
@@ -56,11 +56,11 @@ def render_meshes(meshes: Sequence[Mesh], camera: Intrinsics, width: int, height
     for mesh in meshes:
         corners = project_corners(mesh.vertices, camera)
         draw_triangles(mesh.triangles, corners, mesh.vertices, mesh.body, Image(depth, labels))
-    depth[labels == NO_BODY] = 0.0
+    depth[np.isinf(depth)] = 0.0
     return Image(depth, labels)
 
 
-@kernel
+@exact_kernel
 def project_corners(vertices: NDArray[np.float64], camera: Intrinsics) -> NDArray[np.int64]:
     """Return columns and rows in PARTS of a pixel, and 1 where they can be drawn, (V, 3)."""
     corners = np.zeros((len(vertices), 3), np.int64)
@@ -77,7 +77,7 @@ def project_corners(vertices: NDArray[np.float64], camera: Intrinsics) -> NDArra
     return corners
 
 
-@kernel
+@exact_kernel
 def draw_triangles(
     triangles: NDArray[np.uint16],
     corners: NDArray[np.int64],

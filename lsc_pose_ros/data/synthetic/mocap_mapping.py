@@ -1,0 +1,222 @@
+"""What the joints of motion capture files stand for: a mapping file in YAML."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from lsc_pose_ros.errors import InputError
+
+TRUNK: tuple[str, ...] = ('pelvis', 'waist', 'chest', 'neck', 'head')
+ARM: tuple[str, ...] = ('shoulder', 'upper_arm', 'forearm', 'hand')
+LEG: tuple[str, ...] = ('thigh', 'shank', 'foot')
+SEGMENTS: tuple[str, ...] = TRUNK + tuple(
+    f'{side}_{name}' for side in ('l', 'r') for name in ARM + LEG
+)
+"""What a person is made of, as motion is kept; `l_` is the person's own left."""
+
+_LINES = ('upper_arm', 'forearm', 'thigh', 'shank')  # whose direction is what counts
+_OPTIONAL = ('waist', 'neck', 'head', 'shoulder', 'hand', 'foot')
+_AXES = {'x': 0, 'y': 1, 'z': 2}
+
+
+class Source(NamedTuple):
+    """From what one segment takes its turn.
+
+    Attributes:
+        turns: the joint with which the segment turns; '' if it follows a line.
+        along: the joints at the beginning and the end of that line.
+        across: two joints; the line between them points ahead where the arm hangs straight, palm
+            inwards: from the little finger to the index finger; empty: the turn of the first
+            joint of `along` says it.
+        at_rest: degrees about the person's x, y and z by which the segment, in the neutral pose,
+            is turned against that of a person who stands straight, shape (3,).
+        bent: by how many degrees elbow or knee were bent in truth when the neutral pose was taken;
+            None: as the joints in the file lie.
+    """
+
+    turns: str = ''
+    along: tuple[str, ...] = ()
+    across: tuple[str, ...] = ()
+    at_rest: tuple[float, ...] = (0.0, 0.0, 0.0)
+    bent: float | None = None
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """The joints named."""
+        return tuple(name for name in (self.turns, *self.along, *self.across) if name)
+
+
+class MocapMapping(NamedTuple):
+    """How files of one hierarchy drive a person.
+
+    Attributes:
+        path: of the mapping file.
+        axes: of the person, x to the left, y up, z forward in the neutral pose, as rows in the
+            file's axes, shape (3, 3).
+        neutral: the number of the frame in which the person stands upright and looks ahead, soles
+            level; None: all of the file's rotations 0.
+        skip: how many frames at the beginning of each file are no motion.
+        segments: from what each segment takes its turn.
+    """
+
+    path: Path
+    axes: NDArray[np.float64]
+    neutral: int | None
+    skip: int
+    segments: Mapping[str, Source]
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """All joints named."""
+        return tuple(name for source in self.segments.values() for name in source.joints)
+
+
+def load_mapping(path: str | os.PathLike[str]) -> MocapMapping:
+    """Return the mapping in the YAML file `path`.
+
+    Raises:
+        InputError: it cannot be read or says what no mapping says.
+    """
+    target = Path(path)
+    try:
+        loaded = yaml.safe_load(target.read_text(encoding='utf-8'))
+    except OSError as error:
+        msg = f'cannot read the mapping {target}: {error.strerror or error}'
+        raise InputError(msg) from error
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        msg = f'the mapping {target} is no YAML: {" ".join(str(error).split())}'
+        raise InputError(msg) from error
+    try:
+        return _read(target, _table(loaded, 'a mapping', ('axes', 'neutral', 'skip', 'segments')))
+    except ValueError as error:
+        msg = f'{target} is no usable mapping: {error}'
+        raise InputError(msg) from error
+
+
+def _read(path: Path, loaded: dict[str, Any]) -> MocapMapping:
+    segments = {
+        name: _source(name, value)
+        for name, value in _table(loaded.get('segments'), 'segments', SEGMENTS).items()
+    }
+    needed = [
+        name for name in SEGMENTS if name.removeprefix('l_').removeprefix('r_') not in _OPTIONAL
+    ]
+    missing = [name for name in needed if name not in segments]
+    if missing:
+        msg = f'segments lacks {", ".join(missing)}'
+        raise ValueError(msg)
+    neutral = loaded.get('neutral')
+    return MocapMapping(
+        path,
+        _axes(loaded.get('axes', {'up': 'y', 'forward': 'z'})),
+        None if neutral is None else _count('neutral', neutral),
+        _count('skip', loaded.get('skip', 0)),
+        segments,
+    )
+
+
+def _axes(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - anything that YAML holds
+    named = _table(value, 'axes', ('up', 'forward'))
+    up, forward = (_axis(named.get(name), name) for name in ('up', 'forward'))
+    if abs(up @ forward) > 0:
+        msg = 'axes: up and forward lie along the same axis'
+        raise ValueError(msg)
+    return np.stack([np.cross(up, forward), up, forward])
+
+
+def _axis(value: Any, name: str) -> NDArray[np.float64]:  # noqa: ANN401
+    letter = str(value).lower().lstrip('+-')
+    if letter not in _AXES or len(str(value)) > 2:
+        msg = f'axes: {name} is {value!r}; give x, y, z, -x, -y or -z'
+        raise ValueError(msg)
+    axis = np.zeros(3)
+    axis[_AXES[letter]] = -1.0 if str(value).startswith('-') else 1.0
+    return axis
+
+
+def _source(name: str, value: Any) -> Source:  # noqa: ANN401
+    named = _table(value, name, Source._fields)
+    source = Source(
+        _joint(name, named.get('turns', '')),
+        _joints(name, 'along', named.get('along')),
+        _joints(name, 'across', named.get('across')),
+        _degrees(name, named.get('at_rest', (0, 0, 0))),
+        _bent(name, named.get('bent')),
+    )
+    if bool(source.turns) == bool(source.along):
+        msg = f'{name} needs either turns: JOINT or along: [FROM, TO]'
+        raise ValueError(msg)
+    if _part(name) in _LINES and not source.along:
+        msg = f'{name} needs along: [FROM, TO], the joints at its two ends'
+        raise ValueError(msg)
+    if _part(name) not in (*_LINES, 'hand') and not source.turns:
+        msg = f'{name} needs turns: JOINT, the joint with which it turns'
+        raise ValueError(msg)
+    return source
+
+
+def _part(segment: str) -> str:
+    """Return the segment's name without its side."""
+    return segment.removeprefix('l_').removeprefix('r_')
+
+
+def _table(value: Any, name: str, keys: tuple[str, ...]) -> dict[str, Any]:  # noqa: ANN401
+    if not isinstance(value, dict):
+        msg = f'{name} must be a table of {", ".join(keys)}'
+        raise ValueError(msg)  # noqa: TRY004 - the user's, not the program's
+    unknown = [str(key) for key in value if key not in keys]
+    if unknown:
+        msg = f'{name} has the unknown {", ".join(unknown)}; known are {", ".join(keys)}'
+        raise ValueError(msg)
+    return value
+
+
+def _joint(name: str, value: Any) -> str:  # noqa: ANN401
+    if not isinstance(value, str | int):
+        msg = f'{name}: {value!r} is no name of a joint'
+        raise ValueError(msg)  # noqa: TRY004
+    return str(value)
+
+
+def _joints(name: str, key: str, value: Any) -> tuple[str, ...]:  # noqa: ANN401
+    if value is None:
+        return ()
+    if not isinstance(value, list) or len(value) != 2:
+        msg = f'{name}: {key} must be two joints, [FROM, TO]'
+        raise ValueError(msg)
+    return tuple(_joint(name, joint) for joint in value)
+
+
+def _degrees(name: str, value: Any) -> tuple[float, ...]:  # noqa: ANN401
+    try:
+        numbers = tuple(float(number) for number in value)
+    except (TypeError, ValueError):
+        numbers = ()
+    if len(numbers) != 3 or not np.isfinite(numbers).all():
+        msg = f'{name}: at_rest must be three numbers, degrees about x, y and z'
+        raise ValueError(msg)
+    return numbers
+
+
+def _bent(name: str, value: Any) -> float | None:  # noqa: ANN401
+    if value is None:
+        return None
+    if _part(name) not in ('forearm', 'shank'):
+        msg = f'{name}: bent says how elbows and knees are; give it to forearm and shank'
+        raise ValueError(msg)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 90:
+        msg = f'{name}: bent is {value!r}; give 0 to 90 degrees'
+        raise ValueError(msg)
+    return float(value)
+
+
+def _count(name: str, value: Any) -> int:  # noqa: ANN401
+    if not isinstance(value, int) or isinstance(value, bool) or value < 0:
+        msg = f'{name} is {value!r}; give a frame number, 0 or more'
+        raise ValueError(msg)
+    return value

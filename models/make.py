@@ -1,0 +1,234 @@
+# ruff: noqa: INP001, T201 - a program, not a package
+"""Makes a model of the package and the figures of its card: `make model`.
+
+The recordings of `people.py` are generated, the model is trained on them and measured on others:
+other bodies, other motions. What is there already is not made again, so that the program can be
+stopped and started; recordings belong to their settings, the model to its recordings.
+
+    python models/make.py default --mocap CLIPS --real test.mcap --offsets-from others.mcap
+"""
+
+import argparse
+import datetime as dt
+import hashlib
+import json
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from card import (
+    DISTANCES,
+    YAWS,
+    People,
+    binned,
+    by_recording,
+    join,
+    joint_scores,
+    measure,
+    real_scores,
+    score,
+    write_card,
+    write_tables,
+)
+from people import ALL_VIEWS, OTHERS, RECIPES, Mocap, Part, find_mocap, generate
+
+from lsc_pose_ros.cli import main as command_line
+from lsc_pose_ros.cli.json_file import write_json
+from lsc_pose_ros.cli.labelled_frames import read_frames
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.joints import JOINT_NAMES
+from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data.recording import open_frames
+from lsc_pose_ros.errors import InputError
+
+HERE = Path(__file__).resolve().parent
+
+TRAINING_WORDS = (
+    '--feature', 'mixed', '--split-features', '24', '--leaf-samples', '20', '--seed', '0',
+    '--facing', '--fewest-neighbours', '3',
+    '--joints', *JOINT_NAMES,
+)  # fmt: skip
+"""What `lsc_pose train` is told."""
+
+
+LARGEST = 20_000_000
+"""Bytes that a model of the package may take."""
+
+
+class Made(NamedTuple):
+    """What a model comes from, and where it is."""
+
+    training: list[Path]
+    calibration: list[Path]
+    model: Path
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Make the model that `words` ask for; return the exit status."""
+    arguments = _parser().parse_args(words)
+    try:
+        arguments.directory.mkdir(parents=True, exist_ok=True)
+        mocap = Mocap()
+        if arguments.mocap:
+            mocap = find_mocap(arguments.mocap, arguments.mapping)
+        made = make(arguments, mocap)
+        results = measure_model(arguments, made.model, mocap)
+        publish(arguments, made, results)
+    except InputError as error:
+        sys.stderr.write(f'make: error: {error}\n')
+        return command_line.BAD_INPUT
+    except KeyboardInterrupt:
+        return command_line.INTERRUPTED
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog='models/make.py', description=__doc__)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument('name', nargs='?', choices=list(RECIPES), default='default')
+    parser.add_argument(
+        '--directory',
+        type=Path,
+        default=HERE.parent / 'build' / 'model',
+        metavar='DIR',
+        help='where recordings and models are kept on the way (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--target',
+        type=Path,
+        default=HERE,
+        metavar='DIR',
+        help='where the model and its figures go (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--mocap', type=Path, metavar='DIR', help='motion capture (BVH) for half of the people'
+    )
+    parser.add_argument('--mapping', type=Path, metavar='FILE', help='of its joints')
+    parser.add_argument(
+        '--scale',
+        type=float,
+        default=1.0,
+        metavar='SHARE',
+        help='generate this share of all frames only, to try',
+    )
+    parser.add_argument(
+        '--memory', type=float, default=8.0, metavar='GIB', help='for the training'
+    )
+    for option, what in (
+        ('--real', 'also measure on these labelled recordings'),
+        ('--offsets-from', 'fit constant offsets for them on these'),
+    ):
+        parser.add_argument(
+            option, type=Path, nargs='+', default=[], metavar='RECORDING', help=what
+        )
+    return parser
+
+
+def make(arguments: argparse.Namespace, mocap: Mocap) -> Made:
+    """Generate what is learnt from, and train the model.
+
+    Raises:
+        InputError: a recording cannot be made.
+        SystemExit: the training has failed.
+    """
+    recipe, folder = RECIPES[arguments.name], arguments.directory
+    training = generate(_scaled(recipe.training, arguments), mocap, folder, test=False)
+    others = generate(_scaled(recipe.calibration, arguments), mocap, folder, test=False)
+    words = [*TRAINING_WORDS, '--memory', str(arguments.memory)]
+    mark = hashlib.sha256(
+        repr([words, [path.name for path in [*training, *others]]]).encode()
+    ).hexdigest()[:8]
+    model = folder / f'{arguments.name}_{mark}.npz'
+    if not model.exists():
+        paths = [str(path) for path in training]
+        calibration = ['--calibrate', *map(str, others)]
+        status = command_line.main(['train', *paths, '-o', str(model), *words, *calibration])
+        if status:
+            raise SystemExit(status)
+    return Made(training, others, model)
+
+
+def measure_model(arguments: argparse.Namespace, model: Path, mocap: Mocap) -> dict[str, Any]:
+    """Return all figures of the model's card.
+
+    Raises:
+        InputError: a recording cannot be made or read.
+    """
+    folder = arguments.directory
+    estimator = Estimator(load_model(model))
+    own = _measure(estimator, _scaled(ALL_VIEWS, arguments), mocap, folder)
+    others = _measure(estimator, _scaled(OTHERS, arguments), mocap, folder)
+    everybody = join([*own, *others])
+    all_views = join(own)
+    real = [_read(estimator, path.stem, path) for path in arguments.real]
+    fitted = [_read(estimator, path.stem, path) for path in arguments.offsets_from]
+    return {
+        'all': {'all views and sensors': score(all_views.evaluation)},
+        'views': binned(all_views, all_views.yaw, YAWS),
+        'distances': binned(all_views, all_views.distance, DISTANCES),
+        'recordings': by_recording(everybody),
+        'real': real_scores(join(real), join(fitted) if fitted else None) if real else {},
+        'joints': joint_scores(all_views.evaluation),
+    }
+
+
+def _measure(
+    estimator: Estimator, parts: Sequence[Part], mocap: Mocap, folder: Path
+) -> list[People]:
+    paths = generate(parts, mocap, folder, test=True)
+    return [_read(estimator, part.name, path) for part, path in zip(parts, paths, strict=True)]
+
+
+def _read(estimator: Estimator, name: str, path: Path) -> People:
+    return measure(estimator, name, read_frames([open_frames(path)], name))
+
+
+def publish(arguments: argparse.Namespace, made: Made, results: dict[str, Any]) -> None:
+    """Put the model and its figures where they belong.
+
+    Raises:
+        InputError: the model is too large to be shipped.
+    """
+    if made.model.stat().st_size > LARGEST:
+        msg = (
+            f'{made.model} is larger than {LARGEST / 1e6:g} MB; '
+            'give TRAINING_WORDS more --leaf-samples'
+        )
+        raise InputError(msg)
+    target = arguments.target / f'{arguments.name}.npz'
+    beside = target.with_suffix('.part')
+    shutil.copyfile(made.model, beside)
+    beside.replace(target)
+    facts: dict[str, Any] = {
+        'model': target.name,
+        'date': dt.datetime.now(dt.timezone.utc).date().isoformat(),
+        'bytes': target.stat().st_size,
+        'sha256': hashlib.sha256(target.read_bytes()).hexdigest(),
+        'training': [path.name for path in made.training],
+        'calibration': [path.name for path in made.calibration],
+        'words': list(TRAINING_WORDS),
+        'mocap': bool(arguments.mocap),
+    }
+    write_json(target.with_suffix('.json'), facts | results)
+    page = arguments.target / 'README.md'
+    if page.exists():
+        write_card(results, arguments.name, page)
+    print(write_tables(results))
+    print(json.dumps(facts, indent=1))
+
+
+def _scaled(parts: Sequence[Part], arguments: argparse.Namespace) -> list[Part]:
+    return [
+        part._replace(
+            settings=part.settings._replace(
+                frames=max(1, round(arguments.scale * part.settings.frames))
+            )
+        )
+        for part in parts
+    ]
+
+
+if __name__ == '__main__':
+    sys.exit(main())

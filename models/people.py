@@ -1,0 +1,186 @@
+# ruff: noqa: INP001 - part of a program, not of a package
+"""Who is learnt from and who is measured: the synthetic recordings behind the package's models."""
+
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from lsc_pose_ros.cli.progress import progress
+from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.errors import InputError
+
+CHILDREN, ADULTS, OLD = (4.0, 12.0), (18.0, 60.0), (65.0, 85.0)
+"""Ages, years."""
+
+# Of the clips of motion capture, every fifth is kept for the tests.
+_HELD_OUT = 5
+
+
+class Part(NamedTuple):
+    """A recording.
+
+    Attributes:
+        name: of its file, and of its row in the model's card.
+        settings: what is generated.
+    """
+
+    name: str
+    settings: SyntheticSettings
+
+
+class Recipe(NamedTuple):
+    """What a model is made from.
+
+    Attributes:
+        training: is learnt from.
+        calibration: other people, who teach which confidence is right.
+    """
+
+    training: tuple[Part, ...]
+    calibration: tuple[Part, ...]
+
+
+# A person for every three frames: many people are worth more than many poses of each.
+_ALL_ROUND = SyntheticSettings(clip_length=3, yaw=180.0)
+_FRONT = SyntheticSettings(clip_length=3, yaw=60.0)
+
+RECIPES: dict[str, Recipe] = {
+    'default': Recipe(
+        training=(
+            Part('kinect_v1', _ALL_ROUND._replace(frames=5_000, seed=101)),
+            Part('kinect_v1_front', _FRONT._replace(frames=6_000, seed=102)),
+            Part(
+                'kinect_v1_far', _ALL_ROUND._replace(frames=1_500, seed=103, distance=(3.0, 5.0))
+            ),
+            Part('kinect_v1_cropped', _ALL_ROUND._replace(frames=1_500, seed=104, cropped=True)),
+            Part('kinect_v1_children', _ALL_ROUND._replace(frames=1_500, seed=105, age=CHILDREN)),
+            Part('kinect_v2', _ALL_ROUND._replace(frames=1_500, seed=106, sensor='kinect_v2')),
+            Part('azure', _ALL_ROUND._replace(frames=1_500, seed=107, sensor='azure')),
+            Part('realsense', _ALL_ROUND._replace(frames=1_500, seed=108, sensor='realsense')),
+            Part('zed', _ALL_ROUND._replace(frames=1_500, seed=109, sensor='zed')),
+            Part('tof', _ALL_ROUND._replace(frames=1_500, seed=110, sensor='tof')),
+        ),
+        calibration=(
+            Part('calibration', _ALL_ROUND._replace(frames=600, seed=201)),
+            Part(
+                'calibration_realsense',
+                _ALL_ROUND._replace(frames=300, seed=202, sensor='realsense'),
+            ),
+            Part('calibration_tof', _ALL_ROUND._replace(frames=300, seed=203, sensor='tof')),
+        ),
+    ),
+    'front': Recipe(
+        training=(
+            Part('front_kinect_v1', _FRONT._replace(frames=12_000, seed=301)),
+            Part('front_children', _FRONT._replace(frames=1_500, seed=302, age=CHILDREN)),
+            Part('front_kinect_v2', _FRONT._replace(frames=1_500, seed=303, sensor='kinect_v2')),
+            Part('front_azure', _FRONT._replace(frames=1_500, seed=304, sensor='azure')),
+            Part('front_realsense', _FRONT._replace(frames=1_500, seed=305, sensor='realsense')),
+            Part('front_zed', _FRONT._replace(frames=1_000, seed=306, sensor='zed')),
+            Part('front_tof', _FRONT._replace(frames=1_000, seed=307, sensor='tof')),
+        ),
+        calibration=(Part('front_calibration', _FRONT._replace(frames=1_000, seed=401)),),
+    ),
+}
+"""What each model of the package is made from, by its name."""
+
+ALL_VIEWS = (
+    Part('test_kinect_v1', _ALL_ROUND._replace(frames=600, seed=901)),
+    Part('test_kinect_v2', _ALL_ROUND._replace(frames=300, seed=902, sensor='kinect_v2')),
+    Part('test_azure', _ALL_ROUND._replace(frames=300, seed=903, sensor='azure')),
+    Part('test_realsense', _ALL_ROUND._replace(frames=300, seed=904, sensor='realsense')),
+    Part('test_zed', _ALL_ROUND._replace(frames=300, seed=905, sensor='zed')),
+    Part('test_tof', _ALL_ROUND._replace(frames=300, seed=906, sensor='tof')),
+)
+"""The tests of each sensor, from all sides; together they are the model's own test."""
+
+OTHERS = (
+    Part('test_front', _FRONT._replace(frames=300, seed=911)),
+    Part('test_children', _ALL_ROUND._replace(frames=300, seed=912, age=CHILDREN)),
+    Part('test_adults', _ALL_ROUND._replace(frames=300, seed=913, age=ADULTS)),
+    Part('test_old', _ALL_ROUND._replace(frames=300, seed=916, age=OLD)),
+    Part('test_cropped', _ALL_ROUND._replace(frames=300, seed=914, cropped=True)),
+    Part('test_two_people', _ALL_ROUND._replace(frames=300, seed=915, people=2)),
+)
+"""Tests of one kind of people each."""
+
+
+class Mocap(NamedTuple):
+    """Motion capture that half of the people move by.
+
+    Attributes:
+        folder: of BVH files; None for none.
+        mapping: what their joints stand for; None: as in the CMU clips.
+        held_out: the clips that only the tests show, by name.
+    """
+
+    folder: Path | None = None
+    mapping: Path | None = None
+    held_out: tuple[str, ...] = ()
+
+
+def find_mocap(folder: Path, mapping: Path | None) -> Mocap:
+    """Return the clips in `folder`, some of them held out.
+
+    Raises:
+        InputError: there are too few to hold any out.
+    """
+    clips = _clips_in(folder)
+    if len(clips) < _HELD_OUT:
+        msg = f'{folder}: {len(clips)} BVH files are too few; give {_HELD_OUT} or more'
+        raise InputError(msg)
+    return Mocap(folder, mapping, tuple(clips[_HELD_OUT - 1 :: _HELD_OUT]))
+
+
+def _clips_in(folder: Path) -> list[str]:
+    return sorted(
+        path.relative_to(folder).with_suffix('').as_posix() for path in folder.rglob('*.bvh')
+    )
+
+
+def generate(parts: Sequence[Part], mocap: Mocap, folder: Path, *, test: bool) -> list[Path]:
+    """Return the recordings of `parts` in `folder`; those that are there are not made again.
+
+    Args:
+        parts: what to generate.
+        mocap: the motion capture, if any.
+        folder: where the recordings are kept.
+        test: with the clips that are held out; else with the others.
+
+    Raises:
+        InputError: the settings or the clips cannot be used.
+    """
+    if mocap.folder is None:
+        return [_generate(part, '', folder) for part in parts]
+    clips = ' '.join(_clips_in(mocap.folder))
+    return [
+        _generate(part._replace(settings=_moving(part.settings, mocap, test=test)), clips, folder)
+        for part in parts
+    ]
+
+
+def _moving(settings: SyntheticSettings, mocap: Mocap, *, test: bool) -> SyntheticSettings:
+    return settings._replace(
+        mocap=mocap.folder,
+        mocap_mapping=mocap.mapping,
+        mocap_only=mocap.held_out if test else (),
+        mocap_without=() if test else mocap.held_out,
+    )
+
+
+def _generate(part: Part, clips: str, folder: Path) -> Path:
+    path = folder / f'{part.name}_{_mark(part.settings, clips)}.mcap'
+    if not path.exists():
+        frames = progress(synthetic_frames(part.settings), part.settings.frames, part.name)
+        with RecordingWriter(path) as writer:  # beside it first: what is there is whole
+            for frame in frames:
+                writer.write_frame(frame)
+    return path
+
+
+def _mark(settings: SyntheticSettings, clips: str) -> str:
+    """Return a mark of `settings`, wherever the `clips` lie: with others, another file is made."""
+    named = settings._asdict() | {'mocap': clips, 'mocap_mapping': bool(settings.mocap_mapping)}
+    return hashlib.sha256(repr(named).encode()).hexdigest()[:8]

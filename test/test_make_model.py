@@ -1,0 +1,175 @@
+"""The program that makes the package's models, and the figures of their card."""
+
+import json
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.core.camera import Intrinsics
+from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.frame import Frame
+from lsc_pose_ros.core.joints import numbers_of
+from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.learning.evaluate import evaluate, summarise
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'models'))
+
+import card
+import make
+import people as table
+
+TRUNK = ['torso', 'l_shoulder', 'l_hip', 'r_shoulder', 'r_hip']
+
+
+def facing(yaw: float, place: tuple[float, float, float] = (0.0, 0.0, 3.0)) -> Skeletons:
+    """A trunk whose face is turned to the person's left by `yaw` degrees, from facing us."""
+    angle = np.radians(yaw)
+    # Who faces the camera has the left side at the image's right.
+    left = np.array([np.cos(angle), 0, np.sin(angle)])
+    positions = np.array([0 * left, 0.2 * left, 0.1 * left, -0.2 * left, -0.1 * left])
+    positions[[1, 3], 1] -= 0.3
+    positions += place
+    return Skeletons(
+        np.array([1], np.uint16),
+        numbers_of(TRUNK),
+        positions[None].astype(np.float32),
+        np.ones((1, 5), np.float32),
+    )
+
+
+@pytest.mark.parametrize('yaw', [0, 20, -45, 90, -90, 135, 180])
+def test_yaw_is_the_angle_away_from_the_camera(yaw: float) -> None:
+    np.testing.assert_allclose(card.yaw_of(facing(yaw)), abs(yaw), atol=0.05)
+
+
+def test_yaw_is_against_the_line_of_sight() -> None:
+    """Who stands 45 degrees aside and faces along the axis shows 45 degrees."""
+    np.testing.assert_allclose(card.yaw_of(facing(0, (2.0, 0.5, 2.0))), 45, atol=0.05)
+    np.testing.assert_allclose(card.distance_of(facing(0, (2.0, 0.5, 2.0))), 2)
+
+
+def test_every_recording_has_people_of_its_own() -> None:
+    parts = [
+        *(part for recipe in table.RECIPES.values() for half in recipe for part in half),
+        *table.ALL_VIEWS,
+        *table.OTHERS,
+    ]
+    assert len({part.settings.seed for part in parts}) == len(parts)
+    assert len({part.name for part in parts}) == len(parts)
+
+
+def test_a_fifth_of_the_clips_is_held_out(tmp_path: Path) -> None:
+    folder = tmp_path / 'clips'
+    (folder / 'more').mkdir(parents=True)
+    for number in range(9):
+        (folder / f'{number}.bvh').touch()
+    (folder / 'more' / 'last.bvh').touch()
+    mocap = table.find_mocap(folder, None)
+    assert mocap.held_out == ('4', 'more/last')
+    settings = SyntheticSettings()
+    learnt = table._moving(settings, mocap, test=False)
+    assert (learnt.mocap_only, learnt.mocap_without) == ((), mocap.held_out)
+    measured = table._moving(settings, mocap, test=True)
+    assert (measured.mocap_only, measured.mocap_without) == (mocap.held_out, ())
+    for number in range(6):
+        (folder / f'{number}.bvh').unlink()
+    with pytest.raises(InputError, match='4 BVH files are too few'):
+        table.find_mocap(folder, None)
+
+
+SMALL = SyntheticSettings(width=160, height=120, distance=(2.0, 3.0), clip_length=2)
+
+
+@pytest.fixture
+def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A recipe of few small frames."""
+    part = table.Part('few', SMALL._replace(frames=12, seed=1))
+    others = (table.Part('others', SMALL._replace(frames=4, seed=2)),)
+    monkeypatch.setitem(table.RECIPES, 'default', table.Recipe((part,), others))
+    views = (
+        table.Part('one', SMALL._replace(frames=6, seed=3, yaw=180.0)),
+        table.Part('two', SMALL._replace(frames=3, seed=4, people=2, distance=(2.5, 4.0))),
+    )
+    monkeypatch.setattr(make, 'ALL_VIEWS', views)
+    monkeypatch.setattr(make, 'OTHERS', views[:1])
+    words = ('--points', '100', '--trees', '1', '--joints', 'torso', 'head', 'l_hand')
+    monkeypatch.setattr(make, 'TRAINING_WORDS', words)
+
+
+def test_a_model_is_made_measured_and_made_no_second_time(tiny: None, tmp_path: Path) -> None:
+    assert tiny is None
+    kept, target = tmp_path / 'kept', tmp_path / 'models'
+    target.mkdir()
+    page = 'Before.\n\n<!-- figures of default -->\nold\n<!-- end -->\n\nAfter.\n'
+    (target / 'README.md').write_text(page)
+    words = ['default', '--directory', str(kept), '--target', str(target)]
+    assert make.main(words) == 0
+    assert load_model(target / 'default.npz').joints.tolist() == [0, 2, 7]
+    results = json.loads((target / 'default.json').read_text())
+    assert results['all']['all views and sensors']['people'] == 12
+    assert results['recordings'].keys() == {'one', 'two'}
+    assert results['recordings']['two']['people'] == 6
+    for part in ('views', 'distances'):
+        assert sum(row['people'] for row in results[part].values()) == 12
+    assert set(results['joints']) == {'head', 'torso', 'l_hand'}
+    written = (target / 'README.md').read_text()
+    assert written.startswith('Before.\n\n<!-- figures of default -->\n\n|')
+    assert written.endswith('|\n\n<!-- end -->\n\nAfter.\n')
+    assert 'old' not in written
+    assert '| l_hand |' in written
+    before = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
+    assert len(before) == 5  # four recordings and the model
+    real = next(str(path) for path in before if path.name.startswith('few'))
+    assert make.main([*words, '--real', real, '--offsets-from', real]) == 0
+    assert {path: path.stat().st_mtime_ns for path in kept.iterdir()} == before
+    results = json.loads((target / 'default.json').read_text())
+    plain, moved = results['real'].values()
+    assert moved['mean_error_m'] <= plain['mean_error_m']
+    assert plain['people'] == moved['people'] == 12
+
+
+def test_other_settings_make_other_recordings(tmp_path: Path) -> None:
+    parts = [table.Part('few', SMALL._replace(frames=2, seed=seed)) for seed in (1, 2)]
+    paths = table.generate(parts, table.Mocap(), tmp_path, test=False)
+    assert len(set(paths)) == 2
+    assert table.generate(parts, table.Mocap(), tmp_path, test=False) == paths
+
+
+def test_figures_of_some_people_are_those_of_them_alone(small_model_file: Path) -> None:
+    estimator = Estimator(load_model(small_model_file))
+    frames = list(synthetic_frames(SMALL._replace(frames=8, seed=5, yaw=180.0)))
+    everybody = card.measure(estimator, 'all', frames)
+    assert len(everybody.yaw) == 8
+    rows = card.binned(everybody, everybody.yaw, (0, 90, 180))
+    near = [frame for frame, yaw in zip(frames, everybody.yaw, strict=True) if yaw < 90]
+    wanted = summarise(evaluate(estimator, near), card.TOLERANCE)
+    assert rows['0 to 90']['people'] == len(near)
+    assert rows['0 to 90']['map'] == pytest.approx(wanted.map)
+    assert rows['0 to 90']['mean_error_m'] == pytest.approx(wanted.mean_error_m, rel=1e-4)
+    joined = card.join(
+        [
+            card.measure(estimator, name, [frame])
+            for name, frame in zip('abcdefgh', frames, strict=True)
+        ]
+    )
+    assert card.score(joined.evaluation) == pytest.approx(card.score(everybody.evaluation))
+    assert list(card.by_recording(joined)) == list('abcdefgh')
+
+
+def test_frames_without_people_count_nowhere(small_model_file: Path) -> None:
+    (frame,) = synthetic_frames(SMALL._replace(frames=1, seed=5))
+    empty = Frame(
+        0,
+        'c',
+        np.zeros((9, 9), np.float32),
+        np.full((9, 9), -1, np.int32),
+        Intrinsics(9, 9, 4, 4),
+        None,
+    )
+    measured = card.measure(Estimator(load_model(small_model_file)), 'x', [empty, frame])
+    assert len(measured.yaw) == len(measured.evaluation.errors) == 1
