@@ -14,6 +14,13 @@ FLOOR_PYTHON = $(shell for python in '$(PYTHON)' python3.12 python3.11 python3.1
 	"$$python" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 12))' \
 	2>/dev/null && echo "$$python" && break; done)
 
+# The oldest and the newest Python, where they are here: a seed gives the same people with both.
+find_python = $(shell \
+	for python in python$(1) "$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/$(1).*/bin/python; do \
+	"$$python" -c '' 2>/dev/null && echo "$$python" && break; done)
+SEED_VERSIONS := $(foreach version,3.10 3.13,$(if $(call find_python,$(version)),$(version)))
+SEED_FOLDERS := $(SEED_VERSIONS:%=.venv-%)
+
 # The ROS wheels mark the environment of the Python that they have set up; ours is another.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 ifneq ($(ROS_DISTRO),jazzy)
@@ -47,8 +54,8 @@ lint: $(VENV)/installed
 	else echo 'mypy: skipped; the types are written for those of numpy 2.3 and newer'; fi
 	$(BIN)/lint-imports --no-cache
 
-test-newest: $(VENV)/installed
-	$(BIN)/python -m pytest
+test-newest: $(VENV)/installed $(SEED_FOLDERS:%=%/installed)
+	LSC_POSE_PYTHONS='$(subst $() ,:,$(SEED_FOLDERS:%=%/bin/python))' $(BIN)/python -m pytest
 
 test-floor: $(if $(FLOOR_PYTHON),$(FLOOR)/installed)
 ifneq ($(FLOOR_PYTHON),)
@@ -70,7 +77,7 @@ benchmarks-live: $(VENV)/installed
 	$(BIN)/python benchmarks/live.py
 
 clean:
-	rm -rf $(VENV) $(FLOOR) demo build install log dist *.egg-info
+	rm -rf $(VENV) $(FLOOR) .venv-3.* demo build install log dist *.egg-info
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
 	find lsc_pose_ros test launch -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -83,6 +90,10 @@ ifeq ($(ROS_DISTRO),jazzy)
 else
 	.ci/environment $(VENV) '$(PYTHON)' -- --editable '.[ros,test]'
 endif
+	@touch $@
+
+.venv-3.%/installed: Makefile .ci/environment
+	.ci/environment $(@D) '$(call find_python,3.$*)' -- numba numpy pyyaml
 	@touch $@
 
 $(FLOOR)/installed: Makefile setup.py .ci/environment

@@ -119,8 +119,7 @@ def load_model(path: str | os.PathLike[str]) -> Model:
             if not FACING_ARRAYS.keys().isdisjoint(archive):
                 forms |= FACING_ARRAYS
             arrays = {
-                name: _read_array(source, archive[name], name, form)
-                for name, form in forms.items()
+                name: _read_array(source, archive, name, form) for name, form in forms.items()
             }
     except FileNotFoundError as error:
         msg = f'there is no model file {source}; make one with `lsc_pose train`'
@@ -188,9 +187,14 @@ def _read_header(path: Path, archive: Any) -> dict[str, Any]:  # noqa: ANN401
 
 
 def _read_array(
-    path: Path, array: NDArray[np.generic], name: str, form: Form
+    path: Path,
+    archive: Any,  # noqa: ANN401
+    name: str,
+    form: Form,
 ) -> NDArray[np.generic]:
-    kind, dimensions = form
+    if name not in archive:
+        raise _wrong(path, f'its part {name} is missing')
+    array, (kind, dimensions) = archive[name], form
     if array.dtype != np.dtype(kind) or array.ndim != dimensions:
         raise _wrong(path, f'its part {name} is {array.dtype} of {array.ndim} dimensions')
     return np.ascontiguousarray(array)

@@ -311,6 +311,13 @@ def test_facings_that_would_mislead_a_kernel_are_refused(change, facing_model_fi
     assert '\n' not in str(e.value)
 
 
+@pytest.mark.parametrize('part', ['feature', 'facing_evidence'])
+def test_a_missing_part_is_named(part, facing_model_file, tmp_path):
+    path = rewrite(facing_model_file, tmp_path / 'evil.npz', **{part: None})
+    with pytest.raises(InputError, match=rf'\(its part {part} is missing\)'):
+        load_model(path)
+
+
 def test_a_model_with_facings_comes_back(facing_model, facing_model_file, all_round_people):
     again = load_model(facing_model_file)
     assert again.feature_size == facing_model.feature_size == 362
