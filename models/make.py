@@ -46,7 +46,7 @@ from lsc_pose_ros.errors import InputError
 HERE = Path(__file__).resolve().parent
 
 TRAINING_WORDS = (
-    '--feature', 'mixed', '--split-features', '24', '--leaf-samples', '20', '--seed', '0',
+    '--feature', 'mixed', '--split-features', '24', '--leaf-samples', '12', '--seed', '0',
     '--facing', '--fewest-neighbours', '3',
     '--joints', *JOINT_NAMES,
 )  # fmt: skip

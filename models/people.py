@@ -42,19 +42,22 @@ class Recipe(NamedTuple):
     calibration: tuple[Part, ...]
 
 
-# A person for every three frames: many people are worth more than many poses of each.
-_ALL_ROUND = SyntheticSettings(clip_length=3, yaw=180.0)
-_FRONT = SyntheticSettings(clip_length=3, yaw=60.0)
+# A person for every three frames: many people are worth more than many poses of each. Cameras on
+# robots are low, and look level or up; those on walls look down.
+_ALL_ROUND = SyntheticSettings(
+    clip_length=3, yaw=180.0, camera_height=(0.3, 2.2), camera_tilt=(-20.0, 30.0)
+)
+_FRONT = _ALL_ROUND._replace(yaw=60.0)
 
 RECIPES: dict[str, Recipe] = {
     'default': Recipe(
         training=(
             Part('kinect_v1', _ALL_ROUND._replace(frames=5_000, seed=101)),
-            Part('kinect_v1_front', _FRONT._replace(frames=6_000, seed=102)),
+            Part('kinect_v1_front', _FRONT._replace(frames=7_000, seed=102, mocap_share=0.65)),
             Part(
-                'kinect_v1_far', _ALL_ROUND._replace(frames=1_500, seed=103, distance=(3.0, 5.0))
+                'kinect_v1_far', _ALL_ROUND._replace(frames=1_000, seed=103, distance=(3.0, 5.0))
             ),
-            Part('kinect_v1_cropped', _ALL_ROUND._replace(frames=1_500, seed=104, cropped=True)),
+            Part('kinect_v1_cropped', _ALL_ROUND._replace(frames=1_000, seed=104, cropped=True)),
             Part('kinect_v1_children', _ALL_ROUND._replace(frames=1_500, seed=105, age=CHILDREN)),
             Part('kinect_v2', _ALL_ROUND._replace(frames=1_500, seed=106, sensor='kinect_v2')),
             Part('azure', _ALL_ROUND._replace(frames=1_500, seed=107, sensor='azure')),

@@ -9,7 +9,7 @@ from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.confidence import confidence_in
 from lsc_pose_ros.core.density import find_modes
 from lsc_pose_ros.core.descriptor import mean_distance
-from lsc_pose_ros.core.facing import find_facing, with_facing
+from lsc_pose_ros.core.facing import are_witnesses, find_facing, with_facing
 from lsc_pose_ros.core.features import Seen, describe_points
 from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
@@ -191,7 +191,7 @@ class Estimator:
             scale: rho_bar, metres.
         """
         model, settings = self.model, self.model.settings
-        leaves = leaves_of(model, levels)
+        leaves = leaves_of(model, points, levels, scale)
         joint_poll = Poll(len(model.joints), settings.heaviest_votes, scale)
         joint_votes = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)
         pair_poll = Poll(len(model.edges), settings.heaviest_votes, scale)
@@ -206,15 +206,20 @@ class Estimator:
         return Answer(joint_votes, pair_votes, candidates, alone, chosen, joints)
 
 
-def leaves_of(model: Model, levels: NDArray[np.uint8]) -> NDArray[np.int32]:
+def leaves_of(
+    model: Model, points: NDArray[np.float32], levels: NDArray[np.uint8], scale: float
+) -> NDArray[np.int32]:
     """Return the leaf that each point of a person reaches in each tree of a model, shape (Q, T).
 
     Args:
         model: if it can tell facings, its trees are told the person's.
-        levels: the descriptors of the person's points, shape (Q, F).
+        points: the person's points that vote, metres, shape (Q, 3).
+        levels: their descriptors, shape (Q, F).
+        scale: rho_bar, metres.
     """
     if model.facing is not None:
-        levels = with_facing(levels, find_facing(model.facing, levels))
+        witnesses = are_witnesses(points, scale)
+        levels = with_facing(levels, find_facing(model.facing, levels[witnesses]))
     return find_leaves(model.forest, levels)
 
 

@@ -32,6 +32,12 @@ STEP = 1 / 16
 _WITNESSES = 20.0
 
 
+# What lies below the middle of the body, or above its shoulders, in units of rho_bar and upwards,
+# tells where the person faces. Trunk and arms look alike from both sides, but small differences
+# between people's clothes and those of the training made them sure of the wrong one.
+_MIDDLE, _SHOULDERS = 0.0, 0.55
+
+
 class FacingForest(NamedTuple):
     """T trees over descriptors, nodes as in Forest; their leaves know where people face.
 
@@ -71,6 +77,18 @@ def facing_of(across: NDArray[np.floating]) -> NDArray[np.float64]:
     return facing
 
 
+def are_witnesses(points: NDArray[np.float32], scale: float) -> NDArray[np.bool_]:
+    """Tell which points are asked where the person faces: legs and head, shape (N,).
+
+    Args:
+        points: of one person in the optical frame, any unit, shape (N, 3).
+        scale: rho_bar in that unit.
+    """
+    height = (points[:, 1].mean() - points[:, 1]) / np.float32(scale)
+    asked: NDArray[np.bool_] = (height < _MIDDLE) | (height > _SHOULDERS)
+    return asked if asked.any() else np.ones(len(points), np.bool_)
+
+
 def find_facing(forest: FacingForest, levels: NDArray[np.uint8]) -> float:
     """Return where the person faces, radians, as `facing_of`.
 
@@ -79,7 +97,7 @@ def find_facing(forest: FacingForest, levels: NDArray[np.uint8]) -> float:
 
     Args:
         forest: the trees.
-        levels: the descriptors of the person's points, shape (Q, F).
+        levels: the descriptors of those of the person's points that are asked, shape (Q, F).
     """
     votes = _sum_evidence(forest, find_leaves(forest, levels))
     evidence = votes * (STEP * _WITNESSES / max(1, len(levels) * len(forest.roots)))

@@ -1,5 +1,6 @@
 """Teaches the forest that tells where a person faces, and the other one to listen to it."""
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +11,10 @@ from lsc_pose_ros.core.facing import (
     SECTORS,
     STEP,
     FacingForest,
+    are_witnesses,
     facing_levels,
     facing_of,
+    sector_centres,
     sector_of,
 )
 from lsc_pose_ros.core.joints import names_of
@@ -31,6 +34,8 @@ class FacingSettings(NamedTuple):
         trees: how many.
         growth: of each; its leaves are large, for they have to know shares, not places.
         points: about how many points of a person are learnt from.
+        towards_camera: how much likelier than the average it is beforehand that people face the
+            camera, nats a point: where a body tells nothing, people look at what looks at them.
         uncertainty: the standard deviation of what is told to the joints' forest in training:
             about as wrong as the facing is found later, radians.
         seed: of all that is drawn.
@@ -39,6 +44,7 @@ class FacingSettings(NamedTuple):
     trees: int = 3
     growth: GrowthSettings = GrowthSettings(depth=18, leaf_samples=40, features=24)
     points: int = 100
+    towards_camera: float = 0.1
     uncertainty: float = float(np.radians(12.0))
     seed: int = 0
 
@@ -109,11 +115,12 @@ def teach_facing(
 
 
 def _grow(samples: Samples, facing: NDArray[np.float64], settings: FacingSettings) -> FacingForest:
-    stride = max(1, len(samples.points) // (len(facing) * settings.points))
+    asked = _witnesses(samples)
+    asked = asked[:: max(1, len(asked) // (len(facing) * settings.points))]
     known = np.isfinite(facing)
     sectors = np.where(known, sector_of(np.where(known, facing, 0.0)), -1)
-    sector = sectors[samples.person[::stride]]
-    levels = np.ascontiguousarray(samples.levels[:-FACING_SIZE, ::stride])
+    sector = sectors[samples.person[asked]]
+    levels = np.ascontiguousarray(samples.levels[:-FACING_SIZE, asked])
     trees = [
         grow_tree(
             levels,
@@ -123,8 +130,21 @@ def _grow(samples: Samples, facing: NDArray[np.float64], settings: FacingSetting
         )
         for number in range(settings.trees)
     ]
-    evidence = np.concatenate([leaf_evidence(tree, sector) for tree in trees])
+    prior = settings.towards_camera * np.cos(sector_centres())
+    evidence = np.concatenate([leaf_evidence(tree, sector, prior) for tree in trees])
     return FacingForest(*join_trees(trees), evidence)
+
+
+def _witnesses(samples: Samples) -> NDArray[np.int64]:
+    """Return which samples are asked where people face."""
+    edges = np.searchsorted(samples.person, np.arange(len(samples.scale) + 1))
+    return np.concatenate(
+        [
+            start + np.flatnonzero(are_witnesses(samples.points[start:end], 1.0))
+            for start, end in itertools.pairwise(edges.tolist())
+            if end > start
+        ]
+    )
 
 
 def sector_evidence(sector: NDArray[np.int64]) -> Evidence:
@@ -139,12 +159,15 @@ def sector_evidence(sector: NDArray[np.int64]) -> Evidence:
     )
 
 
-def leaf_evidence(tree: Tree, sector: NDArray[np.int64]) -> NDArray[np.int8]:
+def leaf_evidence(
+    tree: Tree, sector: NDArray[np.int64], prior: NDArray[np.float64]
+) -> NDArray[np.int8]:
     """Return log p(sector | leaf) - log p(sector) of a tree's leaves, (L, SECTORS), in STEPs.
 
     Args:
         tree: grown on the samples.
         sector: of each of them, -1 where it is not known, shape (S,).
+        prior: is added, nats, shape (SECTORS,).
 
     A leaf begins with one sample of each sector that it has not seen. So no sector is impossible.
     """
@@ -156,6 +179,6 @@ def leaf_evidence(tree: Tree, sector: NDArray[np.int64]) -> NDArray[np.int8]:
     often = np.maximum(counts.sum(axis=0), 1.0)
     # As many of each sector as if all were seen equally often.
     even = counts * (often.mean() / often) + 1.0
-    evidence = np.log(SECTORS * even / even.sum(axis=1, keepdims=True))
+    evidence = np.log(SECTORS * even / even.sum(axis=1, keepdims=True)) + prior
     steps: NDArray[np.int8] = np.clip(np.rint(evidence / STEP), -127, 127).astype(np.int8)
     return steps

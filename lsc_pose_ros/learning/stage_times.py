@@ -145,7 +145,7 @@ class _Way:
     ) -> tuple[CastVotes, CastVotes]:
         """Return the votes for joints and for edges."""
         model, heaviest = self._model, self._model.settings.heaviest_votes
-        leaves = leaves_of(model, levels)
+        leaves = leaves_of(model, points, levels, scale)
         self.lap(FOREST)
         joint_poll = Poll(len(model.joints), heaviest, scale)
         joints = cast_votes(model.forest.joint_votes, leaves, points, joint_poll)

@@ -11,6 +11,7 @@ from lsc_pose_ros.core.facing import (
     STEP,
     FacingForest,
     _sum_evidence,
+    are_witnesses,
     facing_levels,
     facing_of,
     find_facing,
@@ -189,3 +190,15 @@ def test_facing_joins_every_descriptor(points: int) -> None:
     np.testing.assert_array_equal(joined[:, :FEATURES], levels)
     cosine, sine = 127.5 + 127 * math.cos(-2.0), 127.5 + 127 * math.sin(-2.0)
     assert joined[:, FEATURES:].tolist() == [[round(cosine), round(sine)]] * points
+
+
+def test_legs_and_head_are_asked_and_trunk_and_arms_are_not():
+    heights = np.array([0.9, 0.6, 0.5, 0.1, -0.1, -0.9, -1.1])  # above the middle, rho_bars
+    points = np.zeros((7, 3), np.float32)
+    points[:, 1] = 2.0 - 0.5 * heights  # y is down
+    asked = are_witnesses(points, 0.5)
+    assert asked.tolist() == [True, True, False, False, True, True, True]
+
+
+def test_where_all_points_are_at_one_height_all_are_asked():
+    assert are_witnesses(np.ones((4, 3), np.float32), 0.5).all()

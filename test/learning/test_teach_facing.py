@@ -118,6 +118,9 @@ def leaf_evidence_twin(tree, sector):
     return rows
 
 
+NO_PRIOR = np.zeros(SECTORS)
+
+
 @pytest.mark.parametrize('seed', range(4))
 def test_what_leaves_know(seed):
     rng = np.random.default_rng(seed)
@@ -125,7 +128,7 @@ def test_what_leaves_know(seed):
     tree = leaf_tree(rng, sizes)
     # Some sectors are rare, one is never seen, and of some samples none is known.
     sector = rng.choice([-1, 0, 0, 0, 0, 1, 2, 3, 4, 5, 6], sum(sizes))
-    found = leaf_evidence(tree, sector)
+    found = leaf_evidence(tree, sector, NO_PRIOR)
     assert found.dtype == np.int8
     assert found.tolist() == leaf_evidence_twin(tree, sector.tolist())
 
@@ -133,14 +136,22 @@ def test_what_leaves_know(seed):
 def test_a_leaf_that_knows_nobody_is_for_no_sector():
     tree = leaf_tree(np.random.default_rng(0), [6, 6])
     sector = np.full(12, -1)
-    assert leaf_evidence(tree, sector).tolist() == [[0] * SECTORS] * 2
+    assert leaf_evidence(tree, sector, NO_PRIOR).tolist() == [[0] * SECTORS] * 2
+
+
+def test_what_is_held_likelier_beforehand_is_likelier_in_every_leaf():
+    tree = leaf_tree(np.random.default_rng(0), [6, 40])
+    sector = np.random.default_rng(1).integers(0, SECTORS, 46)
+    prior = STEP * np.arange(SECTORS)
+    more = leaf_evidence(tree, sector, prior) - leaf_evidence(tree, sector, NO_PRIOR)
+    np.testing.assert_array_equal(more, np.tile(np.arange(SECTORS), (2, 1)))
 
 
 def test_what_most_people_do_is_no_evidence():
     """Nine in ten face the camera, in this leaf too: so it says nothing of who stands there."""
     sector = np.tile([3, 3, 3, 3, 3, 3, 3, 3, 3, 0], 200)
     tree = leaf_tree(np.random.default_rng(0), [1000, 1000])
-    found = leaf_evidence(tree, sector)
+    found = leaf_evidence(tree, sector, NO_PRIOR)
     assert np.abs(found[:, 3] - found[:, 0]).max() <= 4
     assert found[:, [3, 0]].min() > 10
     assert found[:, [1, 2, 4, 5, 6, 7]].max() < 0
@@ -173,7 +184,9 @@ def made_up(count, seed, unknown=0):
     return samples, facing
 
 
-SETTINGS = FacingSettings(growth=GrowthSettings(depth=8, leaf_samples=20, features=10))
+SETTINGS = FacingSettings(
+    growth=GrowthSettings(depth=8, leaf_samples=20, features=10), towards_camera=0.0
+)
 
 
 def test_made_up_people_are_found_within_a_sector():
