@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.confidence import confidence_in
+from lsc_pose_ros.core.confidence import confidence_in, support
 from lsc_pose_ros.core.density import find_modes
 from lsc_pose_ros.core.descriptor import mean_distance
-from lsc_pose_ros.core.facing import are_witnesses, find_facing, with_facing
+from lsc_pose_ros.core.facing import are_witnesses, find_facing, turned_round, with_facing
 from lsc_pose_ros.core.features import Seen, describe_points
 from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
@@ -217,10 +217,27 @@ def leaves_of(
         levels: their descriptors, shape (Q, F).
         scale: rho_bar, metres.
     """
-    if model.facing is not None:
-        witnesses = are_witnesses(points, scale)
-        levels = with_facing(levels, find_facing(model.facing, levels[witnesses]))
-    return find_leaves(model.forest, levels)
+    if model.facing is None:
+        return find_leaves(model.forest, levels)
+    facing = find_facing(model.facing, levels[are_witnesses(points, scale)])
+    # From before and from behind, outlines are alike. The right one is that which the votes of all
+    # points agree on better.
+    ways = [
+        find_leaves(model.forest, with_facing(levels, each))
+        for each in (facing, turned_round(facing))
+    ]
+    return max(ways, key=lambda leaves: _agreement(model, points, leaves, scale))
+
+
+def _agreement(
+    model: Model, points: NDArray[np.float32], leaves: NDArray[np.int32], scale: float
+) -> float:
+    """Return the share of the votes that is behind each joint's best mode, over all joints."""
+    settings = model.settings
+    poll = Poll(len(model.joints), settings.heaviest_votes, scale)
+    votes = cast_votes(model.forest.joint_votes, leaves, points, poll)
+    modes = find_candidates(votes, settings.joint_bandwidth, 1)
+    return float(support(votes, modes.places[:, 0], settings.joint_bandwidth).sum())
 
 
 def structure_of(model: Model) -> Structure:

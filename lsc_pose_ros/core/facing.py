@@ -106,6 +106,11 @@ def find_facing(forest: FacingForest, levels: NDArray[np.uint8]) -> float:
     return math.atan2(float(shares @ np.sin(centres)), float(shares @ np.cos(centres)))
 
 
+def turned_round(facing: float) -> float:
+    """Return where people face whose outline is the same, but who are seen from the other side."""
+    return math.atan2(math.sin(facing), -math.cos(facing))
+
+
 def with_facing(levels: NDArray[np.uint8], facing: float) -> NDArray[np.uint8]:
     """Return descriptors, shape (Q, F), with the facing as two more levels, (Q, F + 2)."""
     joined = np.empty((len(levels), levels.shape[1] + FACING_SIZE), np.uint8)

@@ -1,5 +1,6 @@
 """`lsc_pose replay -o`: every frame of a recording answered offline."""
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.core.estimator import Estimator
 from lsc_pose_ros.core.frame import NO_BODY, Frame
+from lsc_pose_ros.core.joints import JOINT_NUMBERS
 from lsc_pose_ros.core.sequence import Sequence, SequenceSettings
 from lsc_pose_ros.data.answering import MARKERS_TOPIC, SKELETONS_TOPIC
 from lsc_pose_ros.data.model_file import load_model
@@ -232,13 +234,20 @@ def test_markers_as_asked_for(replay: Callable[..., Path], recording: Path) -> N
     assert {(each.lifetime.sec, each.lifetime.nanosec) for each in markers} == {(2, 500_000_000)}
 
 
+def stands(frame: Frame) -> bool:
+    """Whoever is low on the floor has not the size of a body."""
+    assert frame.truth is not None
+    heights = -frame.truth.positions[0, :, 1]
+    return bool(heights[JOINT_NUMBERS['head']] - heights[JOINT_NUMBERS['l_foot']] > 0.8)
+
+
 @pytest.mark.parametrize('masks', ['none', 'of every third frame'])
 def test_bodies_found_without_masks(
     masks: str, replay: Callable[..., Path], people: list[Frame], tmp_path: Path
 ) -> None:
     path = tmp_path / 'unmasked.mcap'
     with RecordingWriter(path) as writer:
-        for number, frame in enumerate(people[:6]):
+        for number, frame in enumerate(itertools.islice(filter(stands, people), 6)):
             write(writer, frame, masked=masks != 'none' and number % 3 == 0)
     output = replay(path, '--segmentation', 'nearest')
     answers = [read_skeletons(data).skeletons for data in of(output, SKELETONS_TOPIC)]

@@ -17,6 +17,7 @@ from lsc_pose_ros.core.facing import (
     find_facing,
     sector_centres,
     sector_of,
+    turned_round,
     with_facing,
 )
 from lsc_pose_ros.core.forest import find_leaves
@@ -202,3 +203,11 @@ def test_legs_and_head_are_asked_and_trunk_and_arms_are_not():
 
 def test_where_all_points_are_at_one_height_all_are_asked():
     assert are_witnesses(np.ones((4, 3), np.float32), 0.5).all()
+
+
+@pytest.mark.parametrize('degrees', [-180.0, -120.0, -90.0, -10.0, 0.0, 45.0, 90.0, 135.0])
+def test_who_is_turned_round_has_the_same_outline_and_shows_the_other_side(degrees):
+    facing = np.radians(degrees)
+    other = turned_round(facing)
+    assert np.sin(other) == pytest.approx(np.sin(facing), abs=1e-9)
+    assert np.cos(other) == pytest.approx(-np.cos(facing), abs=1e-9)

@@ -293,3 +293,23 @@ def test_who_is_told_where_people_face_tells_left_from_right(
         errors.append(np.mean([scores[f'{side}_shoulder'].mean_error_m for side in 'lr']))
     assert shoulders[0] > shoulders[1] + 0.03
     assert errors[0] < errors[1]
+
+
+def test_of_two_sides_that_look_alike_the_one_is_taken_that_the_votes_agree_on(
+    facing_model, all_round_people
+):
+    """Whichever side is asked for first, the answer is the same."""
+    # Of a sector, that of who is seen from the other side.
+    behind = [int(sector_of(math.pi - each)) for each in sector_centres()]
+    turned = facing_model.facing._replace(evidence=facing_model.facing.evidence[:, behind].copy())
+    other = Estimator(facing_model._replace(facing=turned))
+    same = 0
+    people = labelled_people(all_round_people[:20], facing_model.joints, facing_model.settings)
+    for person in people:
+        points = person.points * np.float32(person.scale)
+        answers = [
+            estimator.answer(points, person.levels, person.scale).joints
+            for estimator in (Estimator(facing_model), other)
+        ]
+        same += bool(np.abs(answers[0] - answers[1]).max() < 1e-3)
+    assert same >= 18
