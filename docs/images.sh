@@ -1,6 +1,7 @@
 #!/bin/sh
 # Draws the pictures of how_it_works.md anew: synthetic people whom the package's model has not
-# seen, and one frame of them on its way. And that of README.md: what the live node answers in the
+# seen, and one frame of them on its way. Those of the model's card: people before each sensor. And
+# that of README.md: what the live node answers in the
 # demonstration.
 # Takes a few minutes; needs lsc_pose on the PATH, or its name in LSC_POSE, and a Python that has
 # the package and ROS 2, python3 or its name in PYTHON.
@@ -18,6 +19,11 @@ rm "$work/stages/stages.png"
 cp "$work/stages/"*.png "$pictures"
 $lsc_pose view "$work/people.mcap" -o "$pictures/sheet.png" --model default \
     --at 4 14 24 34 44 54
+
+for sensor in kinect_v1 kinect_v2 azure realsense zed tof; do
+    $lsc_pose synth "$work/$sensor.mcap" --frames 6 --clip-length 1 --seed 2003 --yaw 180 --sensor $sensor
+    $lsc_pose view "$work/$sensor.mcap" -o "$pictures/sensor_$sensor.png" --frames 6 --model default
+done
 
 ${PYTHON:-python3} -m lsc_pose_ros.demo --directory "$work/demo"
 $lsc_pose view "$work/demo/live.mcap" -o "$pictures/live.png" --at 10 50 90 120 150 190
