@@ -1,8 +1,7 @@
 #!/bin/sh
 # Draws the pictures of how_it_works.md anew: synthetic people whom the package's model has not
-# seen, and one frame of them on its way. Those of the model's card: people before each sensor. And
-# that of README.md: what the live node answers in the
-# demonstration.
+# seen, and one frame on its way through a small model. Those of the model's card: people before
+# each sensor. And that of README.md: what the live node answers in the demonstration.
 # Takes a few minutes; needs lsc_pose on the PATH, or its name in LSC_POSE, and a Python that has
 # the package and ROS 2, python3 or its name in PYTHON.
 set -eu
@@ -13,15 +12,21 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 mkdir -p "$pictures"
-$lsc_pose synth "$work/people.mcap" --frames 60 --clip-length 2 --seed 2002 --yaw 180
-$lsc_pose view "$work/people.mcap" -o "$work/stages" --stages 8 --model default
+# The stages are those of the paper's feature.
+$lsc_pose synth "$work/train.mcap" --frames 1500 --clip-length 3 --seed 1
+$lsc_pose synth "$work/front.mcap" --frames 60 --clip-length 2 --seed 2001
+$lsc_pose train "$work/train.mcap" -o "$work/model.npz"
+$lsc_pose view "$work/front.mcap" -o "$work/stages" --stages 22 --model "$work/model.npz"
 rm "$work/stages/stages.png"
 cp "$work/stages/"*.png "$pictures"
+
+$lsc_pose synth "$work/people.mcap" --frames 60 --clip-length 2 --seed 2002 --yaw 180
 $lsc_pose view "$work/people.mcap" -o "$pictures/sheet.png" --model default \
     --at 4 14 24 34 44 54
 
 for sensor in kinect_v1 kinect_v2 azure realsense zed tof; do
-    $lsc_pose synth "$work/$sensor.mcap" --frames 6 --clip-length 1 --seed 2003 --yaw 180 --sensor $sensor
+    $lsc_pose synth "$work/$sensor.mcap" --frames 6 --clip-length 1 --seed 2003 --yaw 180 \
+        --sensor $sensor
     $lsc_pose view "$work/$sensor.mcap" -o "$pictures/sensor_$sensor.png" --frames 6 --model default
 done
 
