@@ -10,11 +10,13 @@ from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.data.synthetic.articulation import product, rig_of, turned
 from lsc_pose_ros.data.synthetic.body_file import Body
 from lsc_pose_ros.data.synthetic.body_mesh import Rest, turn_bones
-from lsc_pose_ros.data.synthetic.overlap import Capsules, fit_capsules
+from lsc_pose_ros.data.synthetic.overlap import (
+    DEEPEST,
+    Capsules,
+    fit_capsules,
+    nearest_shares,
+)
 from lsc_pose_ros.data.synthetic.rotations import from_rotation_vectors, rotation_vectors
-
-DEEPEST = 0.02
-"""How far skin may sink into skin, metres: flesh and clothes give way."""
 
 _STEPS = 12
 _MOST = np.radians(12)
@@ -161,23 +163,9 @@ def push_pose(
 def nearest_points(
     first: NDArray[np.float64], second: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return where two line segments, each given by its ends, shape (2, 3), are nearest.
-
-    Ericson, Real-Time Collision Detection (2005), 5.1.9.
-    """
-    along, other = first[1] - first[0], second[1] - second[0]
-    gap = first[0] - second[0]
-    aa, bb, ab = (along * along).sum(), (other * other).sum(), (along * other).sum()
-    ag, bg = (along * gap).sum(), (other * gap).sum()
-    tiny = 1e-12
-    s, t = 0.0, 0.0
-    if aa > tiny and aa * bb - ab * ab > tiny * aa * bb:
-        s = min(max((ab * bg - ag * bb) / (aa * bb - ab * ab), 0.0), 1.0)
-    if bb > tiny:
-        t = min(max((ab * s + bg) / bb, 0.0), 1.0)
-    if aa > tiny:
-        s = min(max((ab * t - ag) / aa, 0.0), 1.0)
-    return first[0] + s * along, second[0] + t * other
+    """Return where two line segments, each given by its ends, shape (2, 3), are nearest."""
+    s, t = nearest_shares(first, second)
+    return first[0] + s * (first[1] - first[0]), second[0] + t * (second[1] - second[0])
 
 
 @kernel

@@ -294,9 +294,20 @@ def _overlaps(
 
 @kernel
 def segment_distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
-    """Return the squared distance of two line segments, each given by its ends, shape (2, 3).
+    """Return the squared distance of two line segments, each given by its ends, shape (2, 3)."""
+    s, t = nearest_shares(first, second)
+    squared = 0.0
+    for axis in range(3):
+        one = first[0, axis] + s * (first[1, axis] - first[0, axis])
+        squared += (one - second[0, axis] - t * (second[1, axis] - second[0, axis])) ** 2
+    return squared
 
-    Ericson, Real-Time Collision Detection (2005), 5.1.9.
+
+@kernel
+def nearest_shares(first: NDArray[np.float64], second: NDArray[np.float64]) -> tuple[float, float]:
+    """Return how far along two line segments, 0 to 1, they are nearest to each other.
+
+    Each is given by its ends, shape (2, 3). Ericson, Real-Time Collision Detection (2005), 5.1.9.
     """
     aa = bb = ab = ag = bg = 0.0
     for axis in range(3):
@@ -313,8 +324,4 @@ def segment_distance(first: NDArray[np.float64], second: NDArray[np.float64]) ->
         t = min(max((ab * s + bg) / bb, 0.0), 1.0)
     if aa > tiny:
         s = min(max((ab * t - ag) / aa, 0.0), 1.0)
-    squared = 0.0
-    for axis in range(3):
-        one = first[0, axis] + s * (first[1, axis] - first[0, axis])
-        squared += (one - second[0, axis] - t * (second[1, axis] - second[0, axis])) ** 2
-    return squared
+    return s, t
