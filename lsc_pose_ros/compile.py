@@ -65,15 +65,18 @@ def _train() -> Model:
     """Train on two frames of two people, and grow the trunk of a tree, which takes far more.
 
     Returns:
-        a model with the paper's feature that tells facings; the rivals are learnt, too.
+        a model with the paper's feature that knows facings; the rivals are learnt, too.
     """
-    training = TrainingSettings(numbers_of(DEFAULT_JOINTS), trees=1, facing=True)
+    training = TrainingSettings(numbers_of(DEFAULT_JOINTS), trees=1)
     settings = SyntheticSettings(frames=2, people=2)
     choices = [(feature, SPREAD) for feature in FEATURES] + [(FEATURES[0], ENTROPY)]
     model, *_ = (
         train(
             synthetic_frames(settings),
-            training._replace(settings=Settings(feature=feature), criterion=criterion),
+            training._replace(
+                settings=Settings(feature=feature, facings=2, noise_factor=1.0, fill_holes=5),
+                criterion=criterion,
+            ),
             {},
         )
         for feature, criterion in choices

@@ -46,8 +46,10 @@ from lsc_pose_ros.errors import InputError
 HERE = Path(__file__).resolve().parent
 
 TRAINING_WORDS = (
-    '--feature', 'mixed', '--split-features', '24', '--leaf-samples', '12', '--seed', '0',
-    '--facing', '--fewest-neighbours', '3',
+    '--feature', 'mixed', '--split-features', '48', '--leaf-samples', '42', '--seed', '0',
+    '--joint-reach', '0.5', '--joint-share', '0.2334', '--vote-bandwidth', '0.15',
+    '--candidates', '3', '--facing',
+    '--fewest-neighbours', '3', '--fill-holes', '5', '--noise-factor', '4',
     '--joints', *JOINT_NAMES,
 )  # fmt: skip
 """What `lsc_pose train` is told."""
@@ -114,7 +116,12 @@ def _parser() -> argparse.ArgumentParser:
         help='generate this share of all frames only, to try',
     )
     parser.add_argument(
-        '--memory', type=float, default=8.0, metavar='GIB', help='for the training'
+        '--memory',
+        type=float,
+        default=20.0,
+        metavar='GIB',
+        help='for the training; with less, it learns from fewer points a person '
+        '(default: %(default)g)',
     )
     for option, what in (
         ('--real', 'also measure on these labelled recordings'),

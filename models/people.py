@@ -52,24 +52,37 @@ _FRONT = _ALL_ROUND._replace(yaw=60.0)
 RECIPES: dict[str, Recipe] = {
     'default': Recipe(
         training=(
-            Part('kinect_v1', _ALL_ROUND._replace(frames=5_000, seed=101)),
+            Part('kinect_v1', _ALL_ROUND._replace(frames=12_000, seed=101)),
             Part('kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_share=0.65)),
-            Part('kinect_v1_far', _ALL_ROUND._replace(frames=500, seed=103, distance=(3.0, 5.0))),
-            Part('kinect_v1_cropped', _ALL_ROUND._replace(frames=1_000, seed=104, cropped=True)),
-            Part('kinect_v1_children', _ALL_ROUND._replace(frames=1_000, seed=105, age=CHILDREN)),
-            Part('kinect_v2', _ALL_ROUND._replace(frames=1_000, seed=106, sensor='kinect_v2')),
-            Part('azure', _ALL_ROUND._replace(frames=1_000, seed=107, sensor='azure')),
-            Part('realsense', _ALL_ROUND._replace(frames=1_000, seed=108, sensor='realsense')),
-            Part('zed', _ALL_ROUND._replace(frames=1_000, seed=109, sensor='zed')),
-            Part('tof', _ALL_ROUND._replace(frames=1_000, seed=110, sensor='tof')),
+            Part(
+                'kinect_v1_far', _ALL_ROUND._replace(frames=1_000, seed=103, distance=(3.0, 5.0))
+            ),
+            Part('kinect_v1_cropped', _ALL_ROUND._replace(frames=1_500, seed=104, cropped=True)),
+            Part('kinect_v1_children', _ALL_ROUND._replace(frames=1_500, seed=105, age=CHILDREN)),
+            Part('kinect_v2', _ALL_ROUND._replace(frames=5_000, seed=106, sensor='kinect_v2')),
+            Part('azure', _ALL_ROUND._replace(frames=5_000, seed=107, sensor='azure')),
+            Part('realsense', _ALL_ROUND._replace(frames=6_000, seed=108, sensor='realsense')),
+            Part('zed', _ALL_ROUND._replace(frames=6_000, seed=109, sensor='zed')),
+            Part('tof', _ALL_ROUND._replace(frames=5_000, seed=110, sensor='tof')),
+            # The same once more by other seeds.
+            Part('kinect_v1_more', _ALL_ROUND._replace(frames=8_000, seed=111)),
+            Part(
+                'kinect_v2_more', _ALL_ROUND._replace(frames=4_000, seed=112, sensor='kinect_v2')
+            ),
+            Part('azure_more', _ALL_ROUND._replace(frames=4_000, seed=113, sensor='azure')),
+            Part(
+                'realsense_more', _ALL_ROUND._replace(frames=6_000, seed=114, sensor='realsense')
+            ),
+            Part('zed_more', _ALL_ROUND._replace(frames=8_000, seed=115, sensor='zed')),
+            Part('tof_more', _ALL_ROUND._replace(frames=4_000, seed=116, sensor='tof')),
         ),
         calibration=(
-            Part('calibration', _ALL_ROUND._replace(frames=600, seed=201)),
+            Part('calibration', _ALL_ROUND._replace(frames=1_800, seed=201)),
             Part(
                 'calibration_realsense',
-                _ALL_ROUND._replace(frames=300, seed=202, sensor='realsense'),
+                _ALL_ROUND._replace(frames=900, seed=202, sensor='realsense'),
             ),
-            Part('calibration_tof', _ALL_ROUND._replace(frames=300, seed=203, sensor='tof')),
+            Part('calibration_tof', _ALL_ROUND._replace(frames=900, seed=203, sensor='tof')),
         ),
     ),
     'front': Recipe(

@@ -131,8 +131,9 @@ def all_round_people(all_round: SyntheticSettings) -> list[Frame]:
 
 @pytest.fixture(scope='session')
 def facing_model(all_round_people: list[Frame], training: TrainingSettings) -> Model:
-    """A model trained on `all_round_people` that tells where people face."""
-    return train(all_round_people, training._replace(facing=True), {'recordings': 'all round'})
+    """A model trained on `all_round_people` that finds where people face."""
+    told = training._replace(trees=3, settings=training.settings._replace(facings=8))
+    return train(all_round_people, told, {'recordings': 'all round'})
 
 
 @pytest.fixture(scope='session')

@@ -155,7 +155,7 @@ def test_no_frame_compiles_anything_after_the_warm_up(
     assert report['later'] == []
 
 
-def test_a_model_that_tells_facings_is_warmed_up_too(
+def test_a_model_that_finds_facings_is_warmed_up_too(
     facing_model_file: Path, recording: Path
 ) -> None:
     report = json.loads(run(COUNT + LIVE, facing_model_file, recording, 1)[-1])

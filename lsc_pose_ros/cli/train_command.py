@@ -26,7 +26,9 @@ from lsc_pose_ros.data.recording import FrameReader
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.calibration import calibrate
 from lsc_pose_ros.learning.criterion import CRITERIA, SPREAD
+from lsc_pose_ros.learning.facing import FACINGS
 from lsc_pose_ros.learning.growth import GrowthSettings
+from lsc_pose_ros.learning.leaves import LeafSettings
 from lsc_pose_ros.learning.samples import labelled_people
 from lsc_pose_ros.learning.train import GIBIBYTE, TrainingSettings, train
 
@@ -46,6 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '-o', '--output', type=Path, required=True, metavar='MODEL', help='the model, e.g. me.npz'
     )
     _add_forest_arguments(parser)
+    _add_leaf_arguments(parser)
     _add_surface_arguments(parser)
     parser.add_argument(
         '--mirror',
@@ -56,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--facing',
         action='store_true',
-        help='also learn where people face, and let the forest ask for it: for people who may '
+        help='tell the forest where people face, and find it out by trying: for people who may '
         'turn their backs to the camera',
     )
     parser.add_argument(
@@ -90,6 +93,7 @@ def _add_forest_arguments(parser: argparse.ArgumentParser) -> None:
         ('depth', growth.depth, 'depth of a tree at most'),
         ('leaf-samples', growth.leaf_samples, 'samples of a leaf at least'),
         ('split-features', growth.features, 'random features that a split is chosen from'),
+        ('candidates', defaults.candidates, 'places of each joint that the graph chooses from'),
     ):
         parser.add_argument(
             f'--{name}',
@@ -122,6 +126,35 @@ def _add_forest_arguments(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_leaf_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add what decides for which joints a leaf votes."""
+    leaves = LeafSettings()
+    parser.add_argument(
+        '--joint-reach',
+        type=positive_float,
+        default=leaves.joint_reach,
+        metavar='RHO',
+        help='from how far points vote for a joint, in units of rho_bar; 0.5 where joints are '
+        'often hidden, such as arms behind a back (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--vote-bandwidth',
+        type=positive_float,
+        default=leaves.bandwidth,
+        metavar='RHO',
+        help='how near the offsets in a leaf are that become one vote, in units of rho_bar '
+        '(default: %(default)s)',
+    )
+    parser.add_argument(
+        '--joint-share',
+        type=float_from_zero,
+        default=leaves.joint_share,
+        metavar='SHARE',
+        help='leave out votes that stand for less than this share of their leaf, which makes the '
+        'model smaller (default: %(default)s)',
+    )
+
+
 def _add_surface_arguments(parser: argparse.ArgumentParser) -> None:
     """Add what decides how the silhouette is found in what kind of depth."""
     defaults = Settings()
@@ -134,6 +167,23 @@ def _add_surface_arguments(parser: argparse.ArgumentParser) -> None:
         help='leave out flying pixels: those of which fewer than N of the eight neighbours are at '
         f'their depth, to {100 * defaults.neighbour_distance:g} cm; for a time-of-flight camera 3 '
         '(default: %(default)s, none are)',
+    )
+    parser.add_argument(
+        '--fill-holes',
+        type=int,
+        choices=range(_NEIGHBOURS + 1),
+        default=defaults.fill_holes,
+        metavar='N',
+        help='give a pixel without depth the median of its neighbours on the body, where N of the '
+        'eight are; 5 for a camera that misses single pixels (default: %(default)s, none)',
+    )
+    parser.add_argument(
+        '--noise-factor',
+        type=float_from_zero,
+        default=defaults.noise_factor,
+        metavar='TIMES',
+        help="raise the next two to so many times the noise that is found in a body's depth; 4 "
+        'where cameras or distances differ (default: %(default)g, they stay)',
     )
     parser.add_argument(
         '--smoothing-sigma',
@@ -189,7 +239,6 @@ def run(arguments: argparse.Namespace) -> int:
         'program': f'lsc_pose_ros {__version__}',
         'seed': str(training.seed),
         'mirrored': 'yes' if training.mirror else 'no',
-        'facing learnt': 'yes' if training.facing else 'no',
     }
     begin = time.perf_counter()
     model = train(read_frames(readers, 'describing'), training, provenance, _tell)
@@ -226,12 +275,16 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
         numbers_of(arguments.joints),
         Settings(
             fewest_neighbours=arguments.fewest_neighbours,
+            fill_holes=arguments.fill_holes,
+            noise_factor=arguments.noise_factor,
             smoothing_sigma=arguments.smoothing_sigma,
             edge_threshold=arguments.edge_threshold,
             feature=arguments.feature,
             sample=arguments.sample,
             points=arguments.points,
             query_points=arguments.query_points,
+            candidates=arguments.candidates,
+            facings=FACINGS if arguments.facing else 0,
             offset_seed=arguments.seed,
         ),
         trees=arguments.trees,
@@ -240,9 +293,13 @@ def _training_settings(arguments: argparse.Namespace) -> TrainingSettings:
             leaf_samples=arguments.leaf_samples,
             features=arguments.split_features,
         ),
+        leaves=LeafSettings(
+            joint_reach=arguments.joint_reach,
+            joint_share=arguments.joint_share,
+            bandwidth=arguments.vote_bandwidth,
+        ),
         criterion=arguments.criterion,
         mirror=arguments.mirror,
-        facing=arguments.facing,
         seed=arguments.seed,
         memory=arguments.memory * GIBIBYTE,
         hold_out=0.0 if arguments.calibrate else arguments.hold_out,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.jit import kernel
-from lsc_pose_ros.core.silhouette import Window
+from lsc_pose_ros.core.surfaces import Window
 
 # How many offsets the pairs share. How many pairs there are and how far offsets reach are
 # settings. On real people, learnt from 600 and 2,000 frames, pools of 300 to 2,000 pairs differ by

@@ -6,12 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.confidence import confidence_in, support
+from lsc_pose_ros.core.confidence import confidence_in
 from lsc_pose_ros.core.density import find_modes
 from lsc_pose_ros.core.descriptor import mean_distance
-from lsc_pose_ros.core.facing import are_witnesses, find_facing, turned_round, with_facing
+from lsc_pose_ros.core.facing_search import leaves_of
 from lsc_pose_ros.core.features import Seen, describe_points
-from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.graph import Candidates, Structure, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.joints import leg_pairs
@@ -19,12 +18,12 @@ from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.core.silhouette import (
     Silhouette,
-    Window,
     choose_uniformly,
     cut_out,
     find_silhouette,
 )
 from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.core.surfaces import Window
 from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes, votes_for
 
 # Fewer silhouette points than this are specks, not a person.
@@ -102,7 +101,7 @@ def find_shape(
         view: the camera and the settings.
     """
     camera, settings = view
-    window = cut_out(depth, labels, body)
+    window = cut_out(depth, labels, body, settings.fill_holes)
     if window is None:
         return None
     silhouette = find_silhouette(window, camera, settings)
@@ -204,40 +203,6 @@ class Estimator:
             chosen = places_of(candidates, which)
             joints = ascend(self._structure, joint_votes, pair_votes, chosen)
         return Answer(joint_votes, pair_votes, candidates, alone, chosen, joints)
-
-
-def leaves_of(
-    model: Model, points: NDArray[np.float32], levels: NDArray[np.uint8], scale: float
-) -> NDArray[np.int32]:
-    """Return the leaf that each point of a person reaches in each tree of a model, shape (Q, T).
-
-    Args:
-        model: if it can tell facings, its trees are told the person's.
-        points: the person's points that vote, metres, shape (Q, 3).
-        levels: their descriptors, shape (Q, F).
-        scale: rho_bar, metres.
-    """
-    if model.facing is None:
-        return find_leaves(model.forest, levels)
-    facing = find_facing(model.facing, levels[are_witnesses(points, scale)])
-    # From before and from behind, outlines are alike. The right one is that which the votes of all
-    # points agree on better.
-    ways = [
-        find_leaves(model.forest, with_facing(levels, each))
-        for each in (facing, turned_round(facing))
-    ]
-    return max(ways, key=lambda leaves: _agreement(model, points, leaves, scale))
-
-
-def _agreement(
-    model: Model, points: NDArray[np.float32], leaves: NDArray[np.int32], scale: float
-) -> float:
-    """Return the share of the votes that is behind each joint's best mode, over all joints."""
-    settings = model.settings
-    poll = Poll(len(model.joints), settings.heaviest_votes, scale)
-    votes = cast_votes(model.forest.joint_votes, leaves, points, poll)
-    modes = find_candidates(votes, settings.joint_bandwidth, 1)
-    return float(support(votes, modes.places[:, 0], settings.joint_bandwidth).sum())
 
 
 def structure_of(model: Model) -> Structure:

@@ -1,31 +1,11 @@
 """A regression forest as flat parallel arrays, and the way of a descriptor down its trees."""
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.jit import kernel
-
-
-class Trees(Protocol):
-    """What all forests share: the nodes, as in Forest."""
-
-    @property
-    def roots(self) -> NDArray[np.int32]:
-        """The node at which each tree begins, shape (T,)."""
-
-    @property
-    def feature(self) -> NDArray[np.int16]:
-        """Which bin of the descriptor a split compares, shape (nodes,)."""
-
-    @property
-    def threshold(self) -> NDArray[np.uint8]:
-        """A level below it goes left, shape (nodes,)."""
-
-    @property
-    def left(self) -> NDArray[np.int32]:
-        """A split's left child, a leaf's number, shape (nodes,)."""
 
 
 class TreeNodes(NamedTuple):
@@ -74,7 +54,7 @@ class Forest(NamedTuple):
 
 
 @kernel
-def find_leaves(forest: Trees, levels: NDArray[np.uint8]) -> NDArray[np.int32]:
+def find_leaves(forest: Forest, levels: NDArray[np.uint8]) -> NDArray[np.int32]:
     """Return the leaf that each descriptor reaches in each tree, shape (N, T).
 
     Args:

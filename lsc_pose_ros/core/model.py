@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.core.confidence import uncalibrated
-from lsc_pose_ros.core.facing import FACING_SIZE, FacingForest
+from lsc_pose_ros.core.facing import FACING_SIZE
 from lsc_pose_ros.core.features import feature_size
 from lsc_pose_ros.core.forest import Forest
 from lsc_pose_ros.core.settings import Settings
@@ -24,7 +24,6 @@ class Model(NamedTuple):
         provenance: what it was trained on and how, for people to read.
         calibration: the confidence in each joint at K shares of the votes, evenly from 0 to 1,
             shape (J, K); or (0, K) where it is not known, then the share is the confidence.
-        facing: tells where the person faces, which `forest` then asks for beside the descriptor.
     """
 
     joints: NDArray[np.uint16]
@@ -34,9 +33,8 @@ class Model(NamedTuple):
     forest: Forest
     provenance: dict[str, str]
     calibration: NDArray[np.float32] = uncalibrated()
-    facing: FacingForest | None = None
 
     @property
     def feature_size(self) -> int:
         """How many numbers about a point the forest of the joints can ask for."""
-        return feature_size(self.settings) + (FACING_SIZE if self.facing else 0)
+        return feature_size(self.settings) + (FACING_SIZE if self.settings.facings else 0)

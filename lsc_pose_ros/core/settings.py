@@ -19,6 +19,10 @@ class Settings(NamedTuple):
         fewest_neighbours: a pixel of the body with fewer than so many of its eight neighbours at
             its own depth is a flying pixel, on no surface, and is left out; 0 keeps all.
         neighbour_distance: up to which step in depth a neighbour is at the same, metres.
+        fill_holes: a pixel without depth takes the median of its neighbours' on the body where so
+            many of the eight are; 0: it stays a hole.
+        noise_factor: sigma and t_d are at least so many times the noise that is found in the
+            body's own depth; 0: they are what they are.
         smoothing_sigma: sigma of the Gaussian over 3-D distances, metres (eq. 1).
         edge_threshold: t_d, the depth step that makes an edge, metres (eq. 2).
         feature: what the forest sees of a point, one of FEATURES.
@@ -31,6 +35,8 @@ class Settings(NamedTuple):
         binning: of the feature 3dlsc: how a point counts in the bins, one of BINNINGS.
         support_radius: the descriptor's reach, in units of rho_bar.
         inner_radius: the inner limit of the first radius bin, as a share of the support radius.
+        facings: into how many directions a person may face are tried, each told to the forest; 0:
+            the forest knows no facings.
         joint_bandwidth: h_j of the joint densities, metres (eq. 14).
         heaviest_votes: M, how many votes make a density (eq. 14, 15).
         candidates: how many modes of a joint's density the graph may choose from (eq. 16).
@@ -44,6 +50,8 @@ class Settings(NamedTuple):
 
     fewest_neighbours: int = 0
     neighbour_distance: float = 0.1
+    fill_holes: int = 0
+    noise_factor: float = 0.0
     smoothing_sigma: float = 0.02
     edge_threshold: float = 0.04
     feature: str = '3dlsc'
@@ -54,6 +62,7 @@ class Settings(NamedTuple):
     binning: str = 'shared'
     support_radius: float = 1.5
     inner_radius: float = 0.1
+    facings: int = 0
     joint_bandwidth: float = 0.07
     heaviest_votes: int = 200
     candidates: int = 2

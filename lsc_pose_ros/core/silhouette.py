@@ -10,23 +10,10 @@ from lsc_pose_ros.core.camera import Intrinsics, back_project
 from lsc_pose_ros.core.falloff import falloff
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.core.surfaces import Window, fill_holes, fitted_to_noise, on_surfaces
 
 # No depth is this large, in metres; infinity and NaN are not below it.
 _UNSEEN = np.float32(1e9)
-
-
-class Window(NamedTuple):
-    """One body, cut out of the image with a border of one pixel.
-
-    Attributes:
-        depth: metres; infinity where there is no body or no depth, NaN outside of the image.
-        row: the image row of the window's first row (-1 where the border lies outside).
-        column: likewise for columns.
-    """
-
-    depth: NDArray[np.float32]
-    row: int
-    column: int
 
 
 class Silhouette(NamedTuple):
@@ -47,18 +34,24 @@ class Silhouette(NamedTuple):
     chosen: NDArray[np.int64]
 
 
-def cut_out(depth: NDArray[np.float32], labels: NDArray[np.int32], body: int) -> Window | None:
+def cut_out(
+    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int, fewest_seen: int = 0
+) -> Window | None:
     """Return the window around the pixels labelled `body` that have a depth, or None for none.
 
     Args:
         depth: metres, 0 where the sensor saw nothing, shape (H, W).
         labels: body numbers, shape (H, W).
         body: the number to cut out.
+        fewest_seen: how many neighbours on the body a pixel without depth needs to get one, as
+            `Settings.fill_holes`; 0: none gets one.
     """
     top, bottom, left, right = _bounds(depth, labels, body)
     if bottom < top:
         return None
-    return Window(_fill(depth, labels, body, (top, bottom, left, right)), top - 1, left - 1)
+    cut = _fill(depth, labels, body, (top, bottom, left, right))
+    window = Window(cut, top - 1, left - 1)
+    return window if fewest_seen <= 0 else fill_holes(window, depth, fewest_seen)
 
 
 @kernel
@@ -98,43 +91,6 @@ def _fill(
             else:
                 window[i, j] = np.inf
     return window
-
-
-def on_surfaces(window: Window, settings: Settings) -> Window:
-    """Return the window without its flying pixels; what is taken out becomes background.
-
-    At the rim of a surface a time-of-flight camera mixes the light of what lies before and behind,
-    and measures a depth between the two where there is nothing. Such a pixel hangs on its line of
-    sight, away from its neighbours, whereas a pixel of a surface has some at its own depth.
-    """
-    if settings.fewest_neighbours <= 0:
-        return window
-    near = settings.fewest_neighbours, settings.neighbour_distance
-    return Window(drop_flying(window.depth, *near), window.row, window.column)
-
-
-@kernel
-def drop_flying(depth: NDArray[np.float32], fewest: int, distance: float) -> NDArray[np.float32]:
-    """Return the window's depth, infinity where a pixel has too few neighbours at its own depth.
-
-    Args:
-        depth: the window's; its border row and column hold no body.
-        fewest: how many of the eight neighbours there must be.
-        distance: how far in depth they may be, metres.
-    """
-    kept = depth.copy()
-    for i in range(1, depth.shape[0] - 1):
-        for j in range(1, depth.shape[1] - 1):
-            if not math.isfinite(depth[i, j]):
-                continue
-            neighbours = -1  # the pixel itself
-            for di in range(-1, 2):
-                for dj in range(-1, 2):
-                    if abs(depth[i + di, j + dj] - depth[i, j]) <= distance:
-                        neighbours += 1
-            if neighbours < fewest:
-                kept[i, j] = np.inf
-    return kept
 
 
 @kernel
@@ -246,17 +202,26 @@ def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
 def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
     """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points.
 
-    Flying pixels are taken out before, where the settings say so; where these sample the body, the
-    points are evenly spread over all of its pixels.
+    Flying pixels are taken out before, and sigma and t_d grow with the sensor's noise, where the
+    settings say so.
     """
     solid = on_surfaces(window, settings)
-    smoothed = Window(smooth(solid, camera, settings.smoothing_sigma), window.row, window.column)
+    settings = fitted_to_noise(solid, settings)
+    smoothed = smooth(solid, camera, settings.smoothing_sigma)
+    return silhouette_in(solid._replace(depth=smoothed), camera, settings)
+
+
+def silhouette_in(smoothed: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+    """Return the silhouette of the body in a window that is smoothed already.
+
+    Where the settings sample the body, the points are evenly spread over all of its pixels.
+    """
     if settings.sample == 'body':
         edges = np.argwhere(np.isfinite(smoothed.depth)).astype(np.int32)
     else:
         edges = find_edges(smoothed.depth, settings.edge_threshold)
-    rows = edges[:, 0] + np.int32(window.row)
-    columns = edges[:, 1] + np.int32(window.column)
+    rows = edges[:, 0] + np.int32(smoothed.row)
+    columns = edges[:, 1] + np.int32(smoothed.column)
     chosen = choose_uniformly(len(edges), settings.points)
     kept = edges[chosen]
     depth = smoothed.depth[kept[:, 0], kept[:, 1]]

@@ -17,8 +17,7 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.facing import FacingForest
-from lsc_pose_ros.core.forest import Forest, TreeNodes, Trees, Votes
+from lsc_pose_ros.core.forest import Forest, TreeNodes, Votes
 from lsc_pose_ros.data.model_check import UnusableModelError
 
 # By their names; that each is of its form is for the reader of the file to check.
@@ -35,24 +34,14 @@ _VOTES: dict[str, Form] = {
     'steps': (np.float32, 1),  # of the offsets and of the weights
 }
 
-_NODES: dict[str, Form] = {
+ARRAYS: dict[str, Form] = {
     'nodes': (np.int32, 1),  # how many each tree has
     'feature': (np.int16, 1),  # of each node, -1 in a leaf
     'threshold': (np.uint8, 1),  # of each split
-}
-
-ARRAYS: dict[str, Form] = {
-    **_NODES,
     **{f'joint_{name}': form for name, form in _VOTES.items()},
     **{f'pair_{name}': form for name, form in _VOTES.items()},
 }
 """What a forest is packed in."""
-
-FACING_ARRAYS: dict[str, Form] = {
-    **{f'facing_{name}': form for name, form in _NODES.items()},
-    'facing_evidence': (np.int8, 2),  # of the leaves, as in memory
-}
-"""What a forest that tells facings is packed in."""
 
 
 class _Steps(NamedTuple):
@@ -70,7 +59,7 @@ _STEPS = {'joint': _Steps(0.02, 1 / 15), 'pair': _Steps(0.04, 1 / 15)}
 
 def pack_forest(forest: Forest) -> dict[str, NDArray[np.generic]]:
     """Return `forest` as the arrays of ARRAYS."""
-    packed, leaves = _pack_trees(forest, '')
+    packed, leaves = _pack_trees(forest)
     return {
         **packed,
         **_pack_votes('joint', _in_order(forest.joint_votes, leaves)),
@@ -85,47 +74,30 @@ def unpack_forest(arrays: Arrays) -> Forest:
         UnusableModelError: the arrays do not fit together. What is in them is not checked.
     """
     return Forest(
-        *_unpack_trees(arrays, ''), _unpack_votes('joint', arrays), _unpack_votes('pair', arrays)
+        *_unpack_trees(arrays), _unpack_votes('joint', arrays), _unpack_votes('pair', arrays)
     )
 
 
-def pack_facing(forest: FacingForest) -> dict[str, NDArray[np.generic]]:
-    """Return `forest` as the arrays of FACING_ARRAYS."""
-    packed, leaves = _pack_trees(forest, 'facing_')
-    return {**packed, 'facing_evidence': forest.evidence[leaves]}
-
-
-def unpack_facing(arrays: Arrays) -> FacingForest:
-    """Return the forest that `pack_facing` has made `arrays` of.
-
-    Raises:
-        UnusableModelError: as `unpack_forest`.
-    """
-    return FacingForest(*_unpack_trees(arrays, 'facing_'), arrays['facing_evidence'])
-
-
-def _pack_trees(
-    trees: Trees, prefix: str
-) -> tuple[dict[str, NDArray[np.generic]], NDArray[np.int32]]:
-    """Return the nodes as arrays named after `prefix`, and the leaves in their new order."""
-    order, nodes = _level_order(trees)
-    feature = trees.feature[order]
+def _pack_trees(forest: Forest) -> tuple[dict[str, NDArray[np.generic]], NDArray[np.int32]]:
+    """Return the nodes as arrays, and the leaves in their new order."""
+    order, nodes = _level_order(forest)
+    feature = forest.feature[order]
     splits = feature >= 0
     packed: dict[str, NDArray[np.generic]] = {
-        f'{prefix}nodes': nodes,
-        f'{prefix}feature': feature,
-        f'{prefix}threshold': trees.threshold[order][splits],
+        'nodes': nodes,
+        'feature': feature,
+        'threshold': forest.threshold[order][splits],
     }
-    return packed, trees.left[order][~splits]
+    return packed, forest.left[order][~splits]
 
 
-def _unpack_trees(arrays: Arrays, prefix: str) -> TreeNodes:
-    nodes, feature = arrays[f'{prefix}nodes'].astype(np.int64), arrays[f'{prefix}feature']
+def _unpack_trees(arrays: Arrays) -> TreeNodes:
+    nodes, feature = arrays['nodes'].astype(np.int64), arrays['feature']
     splits = feature >= 0
     if (nodes < 1).any() or nodes.sum() != len(feature):
         msg = 'its trees are incomplete'
         raise UnusableModelError(msg)
-    if len(arrays[f'{prefix}threshold']) != splits.sum():
+    if len(arrays['threshold']) != splits.sum():
         msg = 'its thresholds do not fit its splits'
         raise UnusableModelError(msg)
     roots = np.cumsum(nodes) - nodes
@@ -136,11 +108,11 @@ def _unpack_trees(arrays: Arrays, prefix: str) -> TreeNodes:
     left[splits] = (np.repeat(roots, nodes) + 1 + 2 * rank)[splits]
     left[~splits] = np.arange(len(feature) - splits.sum())
     threshold = np.zeros(len(feature), np.uint8)
-    threshold[splits] = arrays[f'{prefix}threshold']
+    threshold[splits] = arrays['threshold']
     return TreeNodes(roots.astype(np.int32), feature, threshold, left)
 
 
-def _level_order(forest: Trees) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
+def _level_order(forest: Forest) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
     """Return the nodes, tree after tree and level after level, and how many each tree has."""
     trees: list[NDArray[np.int64]] = []
     for root in forest.roots:

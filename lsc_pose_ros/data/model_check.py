@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.facing import SECTORS, FacingForest
-from lsc_pose_ros.core.features import feature_size
-from lsc_pose_ros.core.forest import Trees, Votes
+from lsc_pose_ros.core.forest import Forest, Votes
 from lsc_pose_ros.core.joints import JOINT_NAMES
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.core.settings import BINNINGS, FEATURES, SAMPLES, Settings
@@ -25,10 +23,13 @@ _WORDS = {'feature': FEATURES, 'sample': SAMPLES, 'binning': BINNINGS}
 _LATER_SETTINGS = (
     'fewest_neighbours',
     'neighbour_distance',
+    'fill_holes',
+    'noise_factor',
     'feature',
     'sample',
     'fixed_scale',
     'binning',
+    'facings',
     'legs_apart',
     'offset_pairs',
     'offset_reach',
@@ -122,15 +123,6 @@ def check_model(model: Model) -> None:
     _check_nodes(model.forest, model.feature_size, leaves)
     _check_votes(model.forest.joint_votes, leaves, count)
     _check_votes(model.forest.pair_votes, leaves, len(edges))
-    if model.facing is not None:
-        _check_facing(model.facing, feature_size(model.settings))
-
-
-def _check_facing(facing: FacingForest, size: int) -> None:
-    if facing.evidence.shape[1:] != (SECTORS,):
-        msg = 'its facings are not those of this version'
-        raise UnusableModelError(msg)
-    _check_nodes(facing, size, len(facing.evidence))
 
 
 def _check_calibration(calibration: NDArray[np.float32], count: int) -> None:
@@ -160,7 +152,7 @@ def _is_forest(edges: NDArray[np.int32], count: int) -> bool:
     return True
 
 
-def _check_nodes(forest: Trees, size: int, leaves: int) -> None:
+def _check_nodes(forest: Forest, size: int, leaves: int) -> None:
     """Check that every way down the trees ends in one of the leaves."""
     nodes = len(forest.feature)
     if len(forest.threshold) != nodes or len(forest.left) != nodes or not len(forest.roots):

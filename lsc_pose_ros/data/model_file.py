@@ -18,14 +18,7 @@ from lsc_pose_ros.core.forest import Forest, Votes
 from lsc_pose_ros.core.joints import names_of
 from lsc_pose_ros.core.model import Model
 from lsc_pose_ros.data.compact_forest import ARRAYS as FOREST_ARRAYS
-from lsc_pose_ros.data.compact_forest import (
-    FACING_ARRAYS,
-    Form,
-    pack_facing,
-    pack_forest,
-    unpack_facing,
-    unpack_forest,
-)
+from lsc_pose_ros.data.compact_forest import Form, pack_forest, unpack_forest
 from lsc_pose_ros.data.model_check import (
     UnusableModelError,
     check_model,
@@ -87,7 +80,6 @@ def save_model(path: str | os.PathLike[str], model: Model) -> None:
         'limb_lengths': model.limb_lengths,
         **({_CALIBRATION: model.calibration} if len(model.calibration) else {}),
         **pack_forest(model.forest),
-        **(pack_facing(model.facing) if model.facing else {}),
     }
     try:
         with beside.open('wb') as file:
@@ -116,8 +108,6 @@ def load_model(path: str | os.PathLike[str]) -> Model:
             forms = _SKELETON | (_OLD_FOREST if old else FOREST_ARRAYS)
             if _CALIBRATION in archive:
                 forms |= {_CALIBRATION: _CALIBRATION_FORM}
-            if not FACING_ARRAYS.keys().isdisjoint(archive):
-                forms |= FACING_ARRAYS
             arrays = {
                 name: _read_array(source, archive, name, form) for name, form in forms.items()
             }
@@ -146,7 +136,6 @@ def describe_model(model: Model) -> dict[str, str]:
         'leaves': str(leaves),
         'joint votes': str(len(forest.joint_votes.target)),
         'pair votes': str(len(forest.pair_votes.target)),
-        'facing': 'known' if model.facing else 'not known',
         'confidence': 'calibrated' if len(model.calibration) else 'the share of the votes',
         **{
             name.replace('_', ' '): f'{value:g}' if isinstance(value, float) else str(value)
@@ -224,7 +213,6 @@ def _assemble(header: dict[str, Any], arrays: dict[str, Any], forest: Forest) ->
         forest,
         read_provenance(header.get('provenance')),
         arrays.get(_CALIBRATION, uncalibrated()),
-        unpack_facing(arrays) if FACING_ARRAYS.keys() <= arrays.keys() else None,
     )
     check_model(model)
     return model

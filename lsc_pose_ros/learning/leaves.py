@@ -18,6 +18,8 @@ class LeafSettings(NamedTuple):
 
     Attributes:
         joint_reach: a sample votes for a joint no farther than this, in units of rho_bar.
+        joint_share: a cluster of offsets to a joint is kept where it stands for this share of its
+            leaf.
         pair_reach: a sample votes for a pair when one of its joints is no farther than this.
         pair_share: a cluster of pair offsets is kept where it stands for this share of its leaf;
             smaller ones mislead more than they tell, and cost time.
@@ -28,6 +30,7 @@ class LeafSettings(NamedTuple):
     """
 
     joint_reach: float = 0.35
+    joint_share: float = 0.0
     pair_reach: float = 0.6
     pair_share: float = 0.8
     bandwidth: float = 0.1
@@ -41,7 +44,8 @@ def fit_joint_votes(samples: Samples, tree: Tree, settings: LeafSettings) -> Vot
     count = samples.joints.shape[1]
     # For a joint, both ends of the "pair" are the joint itself, and offsets start at the point.
     pairs = np.stack([np.full(count, -1), np.arange(count)], axis=1)
-    return _fit(samples, tree, _Wanted(pairs, settings.joint_reach, 0.0), settings)
+    wanted = _Wanted(pairs, settings.joint_reach, settings.joint_share)
+    return _fit(samples, tree, wanted, settings)
 
 
 def fit_pair_votes(

@@ -194,7 +194,10 @@ def _within(people: Iterable[Person], most: int | None) -> list[Person]:
         count += len(kept[-1].points)
         while most is not None and count > most and any(len(p.points) > 1 for p in kept):
             stride *= 2
-            kept = [_thinned(each, 2) for each in kept]
+            for n, each in enumerate(
+                kept
+            ):  # each forgotten at once, for there may be no more room
+                kept[n] = _thinned(each, 2)
             count = sum(len(each.points) for each in kept)
     return kept
 

@@ -18,10 +18,10 @@ from lsc_pose_ros.core.estimator import (
     FEWEST_POINTS,
     bodies_in,
     find_candidates,
-    leaves_of,
     places_of,
     structure_of,
 )
+from lsc_pose_ros.core.facing_search import leaves_of
 from lsc_pose_ros.core.features import Seen, describe_points
 from lsc_pose_ros.core.graph import Candidates, ascend, best_candidates
 from lsc_pose_ros.core.jit import kernel
@@ -32,11 +32,12 @@ from lsc_pose_ros.core.plain import silhouette as plain_silhouette
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.core.silhouette import (
     Silhouette,
-    Window,
     choose_uniformly,
     cut_out,
     find_silhouette,
+    silhouette_in,
 )
+from lsc_pose_ros.core.surfaces import Window, fitted_to_noise, on_surfaces
 from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes, votes_for
 from lsc_pose_ros.learning.encoded_frame import EncodedFrame, decode_frame
 
@@ -91,7 +92,7 @@ def walk(model: Model, encoded: EncodedFrame, kernels: Kernels) -> Walked:
     positions = np.full((len(bodies), len(model.joints), 3), np.nan, np.float32)
     confidence = np.zeros((len(bodies), len(model.joints)), np.float32)
     for row, body in enumerate(bodies):
-        window = cut_out(depth, labels, int(body))
+        window = cut_out(depth, labels, int(body), model.settings.fill_holes)
         levels = None if window is None else way.describe(window, encoded.camera)
         if levels is not None:
             votes = way.vote(*levels)
@@ -171,10 +172,10 @@ class _Way:
 
 
 def _find_silhouette_plainly(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
-    smoothed = plain_silhouette.smooth(window, camera, settings.smoothing_sigma)
-    # A sigma of 0 smooths no more.
-    again = settings._replace(smoothing_sigma=0.0)
-    return find_silhouette(Window(smoothed, window.row, window.column), camera, again)
+    solid = on_surfaces(window, settings)
+    settings = fitted_to_noise(solid, settings)
+    smoothed = plain_silhouette.smooth(solid, camera, settings.smoothing_sigma)
+    return silhouette_in(solid._replace(depth=smoothed), camera, settings)
 
 
 def _describe_plainly(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:

@@ -22,7 +22,7 @@ from lsc_pose_ros.learning.criterion import (
     contributions,
     offset_moments,
 )
-from lsc_pose_ros.learning.facing import FacingSettings, lines_across, teach_facing
+from lsc_pose_ros.learning.facing import lines_across, tell_facing
 from lsc_pose_ros.learning.growth import GrowthSettings, Tree, grow_tree, join_trees
 from lsc_pose_ros.learning.leaves import LeafSettings, fit_joint_votes, fit_pair_votes
 from lsc_pose_ros.learning.mirror import with_mirrored
@@ -51,7 +51,6 @@ class TrainingSettings(NamedTuple):
         criterion: what splits are chosen by, one of CRITERIA.
         criterion_reach: of the spread: up to where a point speaks of a joint, in units of rho_bar.
         mirror: whether every frame is learned from a second time, in the mirror.
-        facing: whether the forest is told where the person faces.
     """
 
     joints: NDArray[np.uint16]
@@ -65,7 +64,6 @@ class TrainingSettings(NamedTuple):
     criterion: str = SPREAD
     criterion_reach: float = 0.5
     mirror: bool = False
-    facing: bool = False
 
 
 Progress = Callable[[str], None]
@@ -89,13 +87,13 @@ def train(
         InputError: nobody labelled is seen, a joint is labelled nowhere, or facings cannot be
             learnt without others.
     """
-    if training.facing:
+    if training.settings.facings:
         lines_across(training.joints)  # to complain now, not when all frames are read
     tell('reading frames')
     if training.mirror:
         frames = with_mirrored(frames)
     people = labelled_people(frames, training.joints, training.settings)
-    spare = FACING_SIZE if training.facing else 0
+    spare = FACING_SIZE if training.settings.facings else 0
     size = feature_size(training.settings) + spare
     most = most_samples(training.memory, len(training.joints), size)
     samples, held_out = split_samples(people, most, training.hold_out, spare)
@@ -113,13 +111,13 @@ def train_on(
 ) -> Model:
     """Return a model trained on `samples`; the other arguments as `train`.
 
-    With `training.facing`, the last FACING_SIZE rows of their levels are free, and are filled.
+    Where the settings have facings, the last FACING_SIZE rows of the samples' levels are free, and
+    are filled.
     """
     _check_labels(samples, training)
-    facing, growth = None, training.growth
-    if training.facing:
-        tell('learning where people face')
-        facing = teach_facing(samples, training.joints, FacingSettings(seed=training.seed))
+    growth = training.growth
+    if training.settings.facings:
+        tell_facing(samples, training.joints, training.seed)
         growth = growth._replace(always=FACING_SIZE)
     edges = default_edges(training.joints)
     evidence = evidence_in(samples, training)
@@ -141,7 +139,6 @@ def train_on(
         training.settings,
         Forest(*join_trees(trees), join_votes(joint_votes), join_votes(pair_votes)),
         provenance | {'people': str(len(samples.scale)), 'samples': str(len(samples.points))},
-        facing=facing,
     )
 
 

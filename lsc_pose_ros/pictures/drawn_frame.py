@@ -63,7 +63,7 @@ def silhouette_pixels(frame: Frame, settings: Settings) -> NDArray[np.float32]:
     """Return the pixels (column, row) of all bodies' silhouette points E', shape (n, 2)."""
     pixels = [np.zeros((0, 2), np.float32)]
     for body in bodies_in(frame.labels):
-        window = cut_out(frame.depth, frame.labels, int(body))
+        window = cut_out(frame.depth, frame.labels, int(body), settings.fill_holes)
         if window is not None:
             silhouette = find_silhouette(window, frame.camera, settings)
             pixels.append(project(silhouette.points, frame.camera))

@@ -72,17 +72,43 @@ def test_train_writes_a_model_and_its_figures(recordings, tmp_path, capsys):
 def test_train_learns_from_noisy_depth_and_from_the_mirror_as_it_is_told(recordings, tmp_path):
     path = tmp_path / 'me.npz'
     noisy = ['--fewest-neighbours', '3', '--smoothing-sigma', '0.1', '--edge-threshold', '0.08']
+    noisy += ['--fill-holes', '5', '--noise-factor', '3.5']
     words = ['train', recordings[1], '-o', str(path), *SMALL, *noisy, '--mirror']
     assert main([*words, '--hold-out', '0']) == 0
     found = load_model(path)
     assert found.settings.fewest_neighbours == 3
     assert found.settings.smoothing_sigma == 0.1
     assert found.settings.edge_threshold == 0.08
+    assert found.settings.fill_holes == 5
+    assert found.settings.noise_factor == 3.5
+    assert found.settings.facings == 0
     assert found.provenance['mirrored'] == 'yes'
     assert found.provenance['people'] == '60'
 
 
-def test_train_learns_where_people_face(recordings, tmp_path, capsys):
+def test_leaves_remember_as_they_are_told(recordings, tmp_path):
+    votes = {}
+    for name, words in {
+        'plain': [],
+        'far': ['--joint-reach', '0.7'],
+        'few': ['--joint-share', '0.6'],
+        'wide': ['--vote-bandwidth', '0.4'],
+    }.items():
+        path = tmp_path / f'{name}.npz'
+        assert main(['train', recordings[1], '-o', str(path), *SMALL, *words]) == 0
+        votes[name] = len(load_model(path).forest.joint_votes.target)
+    assert votes['far'] > votes['plain'] > votes['few'] > 0
+    assert votes['wide'] < votes['plain']
+
+
+def test_train_leaves_the_graph_as_many_candidates_as_it_is_told(recordings, tmp_path):
+    path = tmp_path / 'me.npz'
+    words = ['train', recordings[1], '-o', str(path), *SMALL, '--candidates', '4']
+    assert main(words) == 0
+    assert load_model(path).settings.candidates == 4
+
+
+def test_train_tells_the_forest_where_people_face(recordings, tmp_path, capsys):
     path = tmp_path / 'me.npz'
     words = ['train', recordings[1], '-o', str(path), *SMALL, '--facing']
     said = complaint(capsys, words)
@@ -90,14 +116,29 @@ def test_train_learns_where_people_face(recordings, tmp_path, capsys):
     assert not path.exists()
     assert main([*words, '--joints', 'l_shoulder', 'r_shoulder', 'l_hip', 'r_hip']) == 0
     found = load_model(path)
-    assert found.facing is not None
-    assert found.provenance['facing learnt'] == 'yes'
+    assert found.settings.facings == 8
+    assert found.feature_size == 362
+    assert 'facing learnt' not in found.provenance
     assert main(['evaluate', str(path), recordings[1]]) == 0
 
 
 @pytest.mark.parametrize(
     ('option', 'value'),
-    [('--fewest-neighbours', '9'), ('--smoothing-sigma', '-1'), ('--edge-threshold', '0')],
+    [
+        ('--fewest-neighbours', '9'),
+        ('--fill-holes', '9'),
+        ('--fill-holes', '-1'),
+        ('--fill-holes', '2.5'),
+        ('--noise-factor', '-1'),
+        ('--noise-factor', 'nan'),
+        ('--noise-factor', 'much'),
+        ('--smoothing-sigma', '-1'),
+        ('--edge-threshold', '0'),
+        ('--joint-reach', '0'),
+        ('--joint-share', '-0.1'),
+        ('--vote-bandwidth', '0'),
+        ('--candidates', '0'),
+    ],
 )
 def test_train_refuses_settings_that_make_no_sense(option, value, recordings, tmp_path, capsys):
     words = ['train', recordings[0], '-o', str(tmp_path / 'me.npz'), option, value]

@@ -13,7 +13,7 @@ from lsc_pose_ros.core.depth_difference import (
     compare_depths,
     offset_pool,
 )
-from lsc_pose_ros.core.silhouette import Window
+from lsc_pose_ros.core.surfaces import Window
 
 CAMERA = Intrinsics(120.0, 125.0, 31.5, 23.5)
 

@@ -1,30 +1,20 @@
 import numpy as np
 import pytest
+from ragged_body import ragged_body
 
 from lsc_pose_ros.core.camera import Intrinsics, back_project
-from lsc_pose_ros.core.frame import NO_BODY
 from lsc_pose_ros.core.plain import silhouette as plain
 from lsc_pose_ros.core.settings import Settings
 from lsc_pose_ros.core.silhouette import (
-    Window,
     choose_uniformly,
     cut_out,
-    drop_flying,
     find_edges,
     find_silhouette,
     smooth,
 )
+from lsc_pose_ros.core.surfaces import Window
 
 CAMERA = Intrinsics(280.0, 285.0, 30.0, 20.0)
-
-
-def random_body(seed: int, shape: tuple[int, int] = (40, 60)) -> tuple[np.ndarray, np.ndarray]:
-    """Return a ragged body with holes and steps in depth, and its labels."""
-    rng = np.random.default_rng(seed)
-    depth = rng.choice([2.0, 2.03, 2.2, 3.0], shape) + rng.normal(0, 0.01, shape)
-    depth[rng.random(shape) < 0.1] = 0
-    labels = np.where(rng.random(shape) < 0.7, 3, NO_BODY).astype(np.int32)
-    return depth.astype(np.float32), labels
 
 
 def smooth_twin(depth: np.ndarray, window: Window, sigma: float) -> np.ndarray:
@@ -42,16 +32,6 @@ def smooth_twin(depth: np.ndarray, window: Window, sigma: float) -> np.ndarray:
     return result
 
 
-def drop_flying_twin(depth: np.ndarray, fewest: int, distance: float) -> np.ndarray:
-    """What has fewer than `fewest` of its eight neighbours within `distance` of its depth."""
-    kept = depth.copy()
-    for i, j in np.argwhere(np.isfinite(depth)):
-        near = np.abs(depth[i - 1 : i + 2, j - 1 : j + 2] - depth[i, j]) <= np.float32(distance)
-        if near.sum() - 1 < fewest:
-            kept[i, j] = np.inf
-    return kept
-
-
 def edges_twin(depth: np.ndarray, threshold: float) -> np.ndarray:
     """Equation 2: the largest difference to a neighbour exceeds the threshold."""
     found = []
@@ -64,7 +44,7 @@ def edges_twin(depth: np.ndarray, threshold: float) -> np.ndarray:
 
 @pytest.mark.parametrize('seed', range(5))
 def test_cut_out_gives_the_body_infinity_around_it_and_nan_outside_of_the_image(seed: int) -> None:
-    depth, labels = random_body(seed)
+    depth, labels = ragged_body(seed)
     window = cut_out(depth, labels, 3)
     assert window is not None
     padded = np.pad(
@@ -79,7 +59,7 @@ def test_cut_out_gives_the_body_infinity_around_it_and_nan_outside_of_the_image(
 
 
 def test_cut_out_of_nobody_is_none() -> None:
-    depth, labels = random_body(0)
+    depth, labels = ragged_body(0)
     assert cut_out(depth, labels, 4) is None
     assert cut_out(np.zeros_like(depth), labels, 3) is None
 
@@ -87,47 +67,12 @@ def test_cut_out_of_nobody_is_none() -> None:
 @pytest.mark.parametrize('seed', range(5))
 @pytest.mark.parametrize('sigma', [0.005, 0.02, 1.0])
 def test_smooth_is_equation_1(seed: int, sigma: float) -> None:
-    depth, labels = random_body(seed)
+    depth, labels = ragged_body(seed)
     window = cut_out(depth, labels, 3)
     assert window is not None
     expected = smooth_twin(window.depth, window, sigma)
     for function in (smooth, plain.smooth):
         np.testing.assert_allclose(function(window, CAMERA, sigma), expected, atol=2e-5)
-
-
-@pytest.mark.parametrize('seed', range(5))
-@pytest.mark.parametrize('fewest', [0, 1, 3, 8, 9])
-def test_flying_pixels_are_those_with_few_neighbours_at_their_depth(
-    seed: int, fewest: int
-) -> None:
-    depth, labels = random_body(seed)
-    window = cut_out(depth, labels, 3)
-    assert window is not None
-    kept = drop_flying(window.depth, fewest, 0.1)
-    np.testing.assert_array_equal(kept, drop_flying_twin(window.depth, fewest, 0.1))
-    assert (np.isfinite(kept).sum() == np.isfinite(window.depth).sum()) == (fewest == 0)
-
-
-def test_a_silhouette_is_found_without_flying_pixels_where_the_settings_say_so() -> None:
-    depth = np.zeros((30, 30), np.float32)
-    depth[8:22, 8:22] = 2.0
-    flying = np.zeros(depth.shape, bool)
-    flying[8:22:2, 22] = True  # every other pixel along one side, on the way to the wall
-    depth[flying] = 2.6
-    window = cut_out(depth, np.zeros(depth.shape, np.int32), 0)
-    assert window is not None
-    silhouette = find_silhouette(window, CAMERA, Settings(fewest_neighbours=3))
-    assert set(silhouette.columns.tolist()) == set(range(8, 22))
-    assert len(silhouette.points) == 4 * 13  # corners have three neighbours
-    raw = find_silhouette(window, CAMERA, Settings(fewest_neighbours=0))
-    assert flying[raw.rows, raw.columns].sum() == 7
-
-
-def test_flying_pixels_are_no_reason_to_take_out_what_the_image_cuts() -> None:
-    depth = np.full((10, 10), 2.0, np.float32)
-    window = cut_out(depth, np.ones((10, 10), np.int32), 1)
-    assert window is not None
-    np.testing.assert_array_equal(drop_flying(window.depth, 3, 0.1), window.depth)
 
 
 def test_smooth_with_sigma_zero_and_of_one_pixel_changes_nothing() -> None:
@@ -142,7 +87,7 @@ def test_smooth_with_sigma_zero_and_of_one_pixel_changes_nothing() -> None:
 
 @pytest.mark.parametrize('seed', range(5))
 def test_edges_are_equation_2(seed: int) -> None:
-    depth, labels = random_body(seed)
+    depth, labels = ragged_body(seed)
     window = cut_out(depth, labels, 3)
     assert window is not None
     np.testing.assert_array_equal(find_edges(window.depth, 0.04), edges_twin(window.depth, 0.04))
@@ -176,7 +121,7 @@ def test_points_are_chosen_evenly(available: int, wanted: int) -> None:
 
 
 def test_silhouette_points_are_the_back_projected_pixels() -> None:
-    depth, labels = random_body(1)
+    depth, labels = ragged_body(1)
     window = cut_out(depth, labels, 3)
     assert window is not None
     silhouette = find_silhouette(window, CAMERA, Settings(points=50))

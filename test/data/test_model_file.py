@@ -1,4 +1,3 @@
-import itertools
 import json
 import pickle
 import zipfile
@@ -8,8 +7,8 @@ import pytest
 
 from lsc_pose_ros.core.confidence import support
 from lsc_pose_ros.core.estimator import Estimator
+from lsc_pose_ros.core.facing import with_facing
 from lsc_pose_ros.core.forest import find_leaves
-from lsc_pose_ros.data.model_check import UnusableModelError, check_model
 from lsc_pose_ros.data.model_file import VERSION, describe_model, load_model, save_model
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.learning.samples import labelled_people
@@ -34,10 +33,18 @@ def change_header(path, **changes):
     return np.frombuffer(json.dumps(header | changes).encode(), np.uint8)
 
 
+# Settings that came after version 2.
+LATER = [
+    *('fewest_neighbours', 'neighbour_distance', 'fill_holes', 'noise_factor'),
+    *('facings', 'legs_apart'),
+]
+
+
 def old_file(model, path, version=2):
     """Write `model` as version 2 had it: the arrays in memory, the votes in half precision."""
     settings = model.settings._asdict()
-    del settings['fewest_neighbours'], settings['neighbour_distance'], settings['legs_apart']
+    for name in LATER:
+        del settings[name]
     header = {
         'format': 'lsc_pose model',
         'version': version,
@@ -279,25 +286,18 @@ def test_an_old_file_that_would_mislead_a_kernel_is_refused(change, old_model_fi
 
 
 EVIL_FACING = {
-    'no trees': lambda p: {'facing_nodes': p['facing_nodes'][:0]},
-    'trees of more nodes': lambda p: {'facing_nodes': p['facing_nodes'] + np.int32(1)},
-    'short thresholds': lambda p: {'facing_threshold': p['facing_threshold'][:-1]},
-    # The trees of facings do not know the facing.
-    'feature out of range': lambda p: {'facing_feature': edit(p['facing_feature'], 0, 360)},
-    'features below -1': lambda p: {'facing_feature': edit(p['facing_feature'], -1, -2)},
-    'a leaf without evidence': lambda p: {'facing_evidence': p['facing_evidence'][:-1]},
-    'other sectors': lambda p: {'facing_evidence': p['facing_evidence'][:, :7]},
-    'evidence without shape': lambda p: {'facing_evidence': p['facing_evidence'].ravel()},
-    'other types': lambda p: {'facing_evidence': p['facing_evidence'].astype(np.int16)},
-    'no evidence': lambda _: {'facing_evidence': None},
-    'evidence alone': lambda _: {
-        f'facing_{part}': None for part in ('nodes', 'feature', 'threshold')
-    },
-    'no facings, but splits by them': lambda _: {
-        f'facing_{part}': None for part in ('nodes', 'feature', 'threshold', 'evidence')
-    },
     'a split by more than the facing': lambda p: {'feature': edit(p['feature'], 0, 362)},
+    'no facings, but splits by them': lambda p: {'header': with_settings(p, facings=0)},
+    'a feature of fewer numbers': lambda p: {'header': with_settings(p, feature='2dsc')},
+    'facings to no side': lambda p: {'header': with_settings(p, facings=-1)},
 }
+
+
+def with_settings(parts, **changes):
+    """Return the header of a model file with other settings."""
+    header = json.loads(parts['header'].tobytes())
+    header['settings'] |= changes
+    return np.frombuffer(json.dumps(header).encode(), np.uint8)
 
 
 @pytest.mark.parametrize('change', EVIL_FACING.values(), ids=EVIL_FACING.keys())
@@ -311,7 +311,7 @@ def test_facings_that_would_mislead_a_kernel_are_refused(change, facing_model_fi
     assert '\n' not in str(e.value)
 
 
-@pytest.mark.parametrize('part', ['feature', 'facing_evidence'])
+@pytest.mark.parametrize('part', ['feature', 'joint_target'])
 def test_a_missing_part_is_named(part, facing_model_file, tmp_path):
     path = rewrite(facing_model_file, tmp_path / 'evil.npz', **{part: None})
     with pytest.raises(InputError, match=rf'\(its part {part} is missing\)'):
@@ -320,48 +320,60 @@ def test_a_missing_part_is_named(part, facing_model_file, tmp_path):
 
 def test_a_model_with_facings_comes_back(facing_model, facing_model_file, all_round_people):
     again = load_model(facing_model_file)
+    assert again.settings == facing_model.settings
+    assert again.settings.facings == 8
     assert again.feature_size == facing_model.feature_size == 362
-    assert again.forest.feature.max() >= 360
-    for one, two in zip(again.facing, facing_model.facing, strict=True):
-        assert one.dtype == two.dtype
-        assert one.shape == two.shape
-    settings = again.settings
-    for person in itertools.islice(
-        labelled_people(all_round_people[::40], again.joints, settings), 10
-    ):
-        before, after = (
-            model.facing.evidence[find_leaves(model.facing, person.levels)]
-            for model in (facing_model, again)
+    assert again.forest.feature.max() == 361
+    assert describe_model(again)['facings'] == '8'
+    before, after = (
+        np.array(
+            [
+                Estimator(model).estimate(frame.depth, frame.labels, frame.camera).positions
+                for frame in all_round_people[::40]
+            ]
         )
-        np.testing.assert_array_equal(before, after)
-    assert describe_model(again)['facing'] == 'known'
+        for model in (facing_model, again)
+    )
+    # Where two directions are as good, rounding may choose the other.
+    moved = np.linalg.norm(after - before, axis=-1)
+    assert np.median(moved) < 0.002
+    assert np.percentile(moved, 80) < 0.02
 
 
-def test_a_model_without_facings_has_none(small_model, small_model_file):
-    assert small_model.facing is None
-    assert load_model(small_model_file).facing is None
-    assert small_model.feature_size == 360
-    assert describe_model(small_model)['facing'] == 'not known'
-    assert not any(name.startswith('facing') for name in parts_of(small_model_file))
+def test_a_file_with_facings_gives_every_direction_the_leaves_it_had(
+    facing_model, facing_model_file, all_round_people
+):
+    again = load_model(facing_model_file)
+    (person, *_) = labelled_people(all_round_people[:1], again.joints, again.settings)
+    reached = [
+        [find_leaves(model.forest, with_facing(person.levels, facing)) for facing in (-2, 0, 1, 3)]
+        for model in (facing_model, again)
+    ]
+    starts = facing_model.forest.joint_votes.start, again.forest.joint_votes.start
+    # Leaves are numbered anew; how many votes they have tells them apart well enough.
+    counts = [
+        np.diff(start)[np.array(leaves)] for start, leaves in zip(starts, reached, strict=True)
+    ]
+    np.testing.assert_array_equal(*counts)
+    assert not np.array_equal(counts[0][0], counts[0][1])
 
 
-@pytest.mark.parametrize(
-    'change',
-    [
-        lambda f: f._replace(evidence=f.evidence[:, :5]),
-        lambda f: f._replace(evidence=f.evidence[:-1]),
-        lambda f: f._replace(left=edit(f.left, 0, len(f.left))),
-        lambda f: f._replace(left=edit(f.left, 0, 0)),
-        lambda f: f._replace(roots=f.roots - 1),
-        lambda f: f._replace(roots=f.roots[:0]),
-        lambda f: f._replace(feature=edit(f.feature, 0, 361)),
-        lambda f: f._replace(threshold=f.threshold[1:]),
-    ],
-)
-def test_a_forest_of_facings_that_leads_nowhere_is_found(change, facing_model):
-    check_model(facing_model)
-    with pytest.raises(UnusableModelError):
-        check_model(facing_model._replace(facing=change(facing_model.facing)))
+def test_a_model_without_facings_has_none(small_model, small_model_file, tmp_path):
+    assert small_model.settings.facings == 0
+    assert small_model.feature_size == load_model(small_model_file).feature_size == 360
+    assert describe_model(small_model)['facings'] == '0'
+    header = json.loads(parts_of(small_model_file)['header'].tobytes())
+    for name in ('facings', 'fill_holes', 'noise_factor'):
+        del header['settings'][name]
+    before = np.frombuffer(json.dumps(header).encode(), np.uint8)
+    older = load_model(rewrite(small_model_file, tmp_path / 'older.npz', header=before))
+    assert older.settings == small_model.settings
+
+
+def test_a_model_of_version_2_cannot_split_by_facings(facing_model, tmp_path):
+    """It would not say how many directions are to be tried."""
+    with pytest.raises(InputError, match='trees point to places that do not exist'):
+        load_model(old_file(facing_model, tmp_path / 'old.npz'))
 
 
 @pytest.mark.parametrize(
@@ -377,6 +389,16 @@ def test_a_forest_of_facings_that_leads_nowhere_is_found(change, facing_model):
         ('fewest_neighbours', -1),
         ('fewest_neighbours', 2.5),
         ('neighbour_distance', 'near'),
+        ('fill_holes', -1),
+        ('fill_holes', 0.5),
+        ('fill_holes', True),
+        ('noise_factor', -1),
+        ('noise_factor', float('nan')),
+        ('noise_factor', '4'),
+        ('facings', -1),
+        ('facings', 2.5),
+        ('facings', True),
+        ('facings', 10**9),
         ('legs_apart', -0.1),
         ('smoothing_sigma', True),
         ('smoothing_sigma', None),
@@ -426,10 +448,9 @@ def test_the_seed_of_the_offsets_may_be_any_that_train_takes(
 
 def test_a_model_of_version_1_has_the_papers_feature(small_model, old_model_file, tmp_path):
     settings = small_model.settings._asdict()
-    for name in ('feature', 'sample', 'offset_pairs', 'offset_reach', 'offset_seed'):
+    for name in ('feature', 'sample', 'offset_pairs', 'offset_reach', 'offset_seed', *LATER):
         del settings[name]
     del settings['fixed_scale'], settings['binning']
-    del settings['fewest_neighbours'], settings['neighbour_distance'], settings['legs_apart']
     header = change_header(old_model_file, version=1, settings=settings)
     path = rewrite(old_model_file, tmp_path / 'old.npz', header=header)
     assert load_model(path).settings == small_model.settings

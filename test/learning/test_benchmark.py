@@ -107,16 +107,23 @@ def test_the_fast_way_is_that_of_the_estimator(queries, small_model, people):
     assert np.isnan(walked.positions[2]).all()
 
 
-def test_the_fast_way_is_that_of_the_estimator_where_facings_are_known(
-    facing_model, all_round_people
+@pytest.mark.parametrize('noisy', [{}, {'fill_holes': 5}, {'noise_factor': 30.0}])
+def test_the_fast_way_is_that_of_the_estimator_where_facings_are_found(
+    noisy, facing_model, all_round_people
 ):
-    encoded = encode_frame(side_by_side(all_round_people[5], all_round_people[125]))
+    frame = side_by_side(all_round_people[5], all_round_people[125])
+    seen = frame.depth.copy()
+    seen[::4, ::4] = 0
+    encoded = encode_frame(frame._replace(depth=seen))
     depth, labels = decode_frame(encoded)
-    expected = Estimator(facing_model).estimate(depth, labels, encoded.camera)
-    walked = walk(facing_model, encoded, FAST)
+    model = facing_model._replace(settings=facing_model.settings._replace(**noisy))
+    expected = Estimator(model).estimate(depth, labels, encoded.camera)
+    walked = walk(model, encoded, FAST)
     np.testing.assert_array_equal(walked.positions, expected.positions)
     np.testing.assert_array_equal(walked.confidence, expected.confidence)
     assert np.isfinite(walked.positions[:2]).all()
+    other = Estimator(facing_model).estimate(depth, labels, encoded.camera)
+    assert np.array_equal(other.positions, expected.positions, equal_nan=True) == (not noisy)
 
 
 @pytest.mark.parametrize('queries', [150, 40])

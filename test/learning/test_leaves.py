@@ -120,3 +120,19 @@ def test_small_clusters_of_pairs_are_not_kept():
         np.testing.assert_array_equal(ours, expected)
     np.testing.assert_allclose(kept[0.4].weight[0], 2 / 3, atol=1e-6)
     assert kept[0.4].start[1] == 1
+
+
+def test_small_clusters_of_joints_are_not_kept():
+    samples, tree = two_leaves()
+    joints = samples.joints.copy()
+    joints[2, 0] = (0, 0.2, 0)  # the third person's joint lies elsewhere: a third of its leaf
+    samples = samples._replace(joints=joints)
+    kept = {
+        share: fit_joint_votes(samples, tree, SETTINGS._replace(joint_share=share))
+        for share in (0.0, 0.3, 0.4)
+    }
+    np.testing.assert_allclose(kept[0.0].weight[:2], [2 / 3, 1 / 3], atol=1e-6)
+    for ours, expected in zip(kept[0.3], kept[0.0], strict=True):
+        np.testing.assert_array_equal(ours, expected)
+    np.testing.assert_allclose(kept[0.4].weight[0], 2 / 3, atol=1e-6)
+    assert kept[0.4].start.tolist() == [0, 1, 2]

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.core.camera import Intrinsics, project
+from lsc_pose_ros.core.estimator import find_shape
 from lsc_pose_ros.core.frame import NO_BODY, Frame
 from lsc_pose_ros.core.settings import Settings
-from lsc_pose_ros.core.silhouette import cut_out, find_silhouette
 from lsc_pose_ros.core.skeletons import Skeletons
 from lsc_pose_ros.pictures.colours import LEFT, MIDDLE, RIGHT, bone_colour, side_colour
 from lsc_pose_ros.pictures.drawn_frame import DrawnFrame, caption, only_joints, silhouette_pixels
@@ -63,15 +63,21 @@ def test_only_joints_follows_the_estimates_order_and_leaves_gaps() -> None:
     np.testing.assert_allclose(kept.positions[0, :, 0], [0.3, np.nan, 0.2], rtol=1e-6)
 
 
-def test_silhouette_pixels_are_those_of_the_method(people: list[Frame]) -> None:
-    frame, settings = people[0], Settings(points=50)
-    window = cut_out(frame.depth, frame.labels, 1)
-    assert window is not None
-    wanted = find_silhouette(window, frame.camera, settings).points
+@pytest.mark.parametrize('fill_holes', [0, 5])
+def test_silhouette_pixels_are_those_of_the_method(fill_holes: int, people: list[Frame]) -> None:
+    settings = Settings(points=50, fill_holes=fill_holes)
+    depth = people[0].depth.copy()
+    depth[::4, ::4] = 0
+    frame = people[0]._replace(depth=depth)
+    shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
+    assert shape is not None
+    wanted = shape.silhouette.points
     pixels = silhouette_pixels(frame, settings)
     np.testing.assert_allclose(pixels, project(wanted, frame.camera))
     rows, columns = pixels.round().astype(int)[:, ::-1].T
-    assert (frame.labels[rows, columns] == 1).all()
+    of_the_body = frame.labels[rows, columns] == 1
+    assert (of_the_body | (frame.depth[rows, columns] == 0)).all()
+    assert of_the_body.all() == (fill_holes == 0)  # the mask knows nothing of what is filled
 
 
 def test_sides_have_colours_of_their_own() -> None:

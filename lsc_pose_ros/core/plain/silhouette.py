@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.jit import kernel
-from lsc_pose_ros.core.silhouette import Window
+from lsc_pose_ros.core.surfaces import Window
 
 
 @kernel
