@@ -23,8 +23,10 @@ from lsc_pose_ros.core.votes import CastVotes, Poll, cast_votes, votes_for
 # So many of a person's points are asked in every direction; more change little.
 _FEW = 60
 
-# So many of the directions that come out best are then told to all points.
+# The directions that come out best are then told to all points: at most so many, and none on which
+# the few agreed less than this share of the best. Mostly that leaves one.
 _SHORTLIST = 3
+_NEARLY_BEST = 0.9
 
 
 def leaves_of(
@@ -49,8 +51,8 @@ def find_facing(
 ) -> float:
     """Return where a person faces, radians, as `facing_of`: where the votes agree most.
 
-    A few points try all directions, all points the best of these. Between two directions the
-    agreement runs as a parabola through three of them does.
+    A few points try all directions, and all points the best of these where one alone does not
+    stand out. Between two directions the agreement runs as a parabola through three of them does.
 
     Arguments as `leaves_of`; the trees know facings.
     """
@@ -59,8 +61,11 @@ def find_facing(
     person = points[few], levels[few], scale
     rough = np.array([agreement_on(model, *person, facing) for facing in directions])
     shortlist = np.argsort(-rough)[:_SHORTLIST]
-    exact = [agreement_on(model, points, levels, scale, directions[n]) for n in shortlist]
-    best = int(shortlist[np.argmax(exact)])
+    shortlist = shortlist[rough[shortlist] >= _NEARLY_BEST * rough.max()]
+    best = int(shortlist[0])
+    if len(shortlist) > 1:
+        exact = [agreement_on(model, points, levels, scale, directions[n]) for n in shortlist]
+        best = int(shortlist[np.argmax(exact)])
     return float(directions[best] + peak_beside(rough, best) * 2 * np.pi / len(directions))
 
 
