@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.confidence import confidence_in
+from lsc_pose_ros.core.cropping import believable_share
 from lsc_pose_ros.core.density import find_modes
 from lsc_pose_ros.core.descriptor import mean_distance
 from lsc_pose_ros.core.facing_search import leaves_of
@@ -161,6 +162,8 @@ class Estimator:
                     positions[row],
                     self._structure.joint_bandwidth,
                 )
+                window = stages.shape.window
+                confidence[row] *= believable_share(positions[row], window, camera)
         return Skeletons(bodies, self.model.joints, positions, confidence)
 
     def stages(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.core.camera import Intrinsics
 from lsc_pose_ros.core.confidence import confidence_in
+from lsc_pose_ros.core.cropping import believable_share
 from lsc_pose_ros.core.descriptor import mean_distance
 from lsc_pose_ros.core.estimator import (
     FEWEST_POINTS,
@@ -94,9 +95,10 @@ def walk(model: Model, encoded: EncodedFrame, kernels: Kernels) -> Walked:
     for row, body in enumerate(bodies):
         window = cut_out(depth, labels, int(body), model.settings.fill_holes)
         levels = None if window is None else way.describe(window, encoded.camera)
-        if levels is not None:
+        if window is not None and levels is not None:
             votes = way.vote(*levels)
             positions[row], confidence[row] = way.place(*votes)
+            confidence[row] *= believable_share(positions[row], window, encoded.camera)
     way.lap(SILHOUETTE)
     return Walked(way.seconds, positions, confidence)
 
