@@ -47,7 +47,7 @@ HERE = Path(__file__).resolve().parent
 
 TRAINING_WORDS = (
     '--feature', 'mixed', '--split-features', '48', '--leaf-samples', '42', '--seed', '0',
-    '--joint-reach', '0.5', '--joint-share', '0.2334', '--vote-bandwidth', '0.15',
+    '--joint-reach', '0.5', '--joint-share', '0.2333', '--vote-bandwidth', '0.15',
     '--candidates', '3', '--facing',
     '--fewest-neighbours', '3', '--fill-holes', '5', '--noise-factor', '4',
     '--joints', *JOINT_NAMES,
