@@ -32,7 +32,7 @@ from card import (
     write_card,
     write_tables,
 )
-from people import ALL_VIEWS, OTHERS, RECIPES, Mocap, Part, find_mocap, generate
+from people import RECIPES, Mocap, Part, find_mocap, generate
 
 from lsc_pose_ros.cli import main as command_line
 from lsc_pose_ros.cli.json_file import write_json
@@ -46,13 +46,12 @@ from lsc_pose_ros.errors import InputError
 HERE = Path(__file__).resolve().parent
 
 TRAINING_WORDS = (
-    '--feature', 'mixed', '--split-features', '48', '--leaf-samples', '42', '--seed', '0',
+    '--feature', 'mixed', '--split-features', '48', '--candidates', '3', '--seed', '0',
     '--joint-reach', '0.5', '--joint-share', '0.2333', '--vote-bandwidth', '0.15',
-    '--candidates', '3', '--facing',
     '--fewest-neighbours', '3', '--fill-holes', '5', '--noise-factor', '4',
     '--joints', *JOINT_NAMES,
 )  # fmt: skip
-"""What `lsc_pose train` is told."""
+"""What `lsc_pose train` is told for every model."""
 
 
 LARGEST = 20_000_000
@@ -118,10 +117,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         '--memory',
         type=float,
-        default=20.0,
         metavar='GIB',
-        help='for the training; with less, it learns from fewer points a person '
-        '(default: %(default)g)',
+        help='for the training; with less, it learns from fewer points a person',
     )
     for option, what in (
         ('--real', 'also measure on these labelled recordings'),
@@ -143,7 +140,7 @@ def make(arguments: argparse.Namespace, mocap: Mocap) -> Made:
     recipe, folder = RECIPES[arguments.name], arguments.directory
     training = generate(_scaled(recipe.training, arguments), mocap, folder, test=False)
     others = generate(_scaled(recipe.calibration, arguments), mocap, folder, test=False)
-    words = [*TRAINING_WORDS, '--memory', str(arguments.memory)]
+    words = _words(arguments)
     mark = hashlib.sha256(
         repr([words, [path.name for path in [*training, *others]]]).encode()
     ).hexdigest()[:8]
@@ -157,16 +154,21 @@ def make(arguments: argparse.Namespace, mocap: Mocap) -> Made:
     return Made(training, others, model)
 
 
+def _words(arguments: argparse.Namespace) -> list[str]:
+    recipe = RECIPES[arguments.name]
+    return [*TRAINING_WORDS, *recipe.words, '--memory', str(arguments.memory or recipe.memory)]
+
+
 def measure_model(arguments: argparse.Namespace, model: Path, mocap: Mocap) -> dict[str, Any]:
     """Return all figures of the model's card.
 
     Raises:
         InputError: a recording cannot be made or read.
     """
-    folder = arguments.directory
+    recipe, folder = RECIPES[arguments.name], arguments.directory
     estimator = Estimator(load_model(model))
-    own = _measure(estimator, _scaled(ALL_VIEWS, arguments), mocap, folder)
-    others = _measure(estimator, _scaled(OTHERS, arguments), mocap, folder)
+    own = _measure(estimator, _scaled(recipe.tests, arguments), mocap, folder)
+    others = _measure(estimator, _scaled(recipe.others, arguments), mocap, folder)
     everybody = join([*own, *others])
     all_views = join(own)
     real = [_read(estimator, path.stem, path) for path in arguments.real]
@@ -201,7 +203,7 @@ def publish(arguments: argparse.Namespace, made: Made, results: dict[str, Any]) 
     if made.model.stat().st_size > LARGEST:
         msg = (
             f'{made.model} is larger than {LARGEST / 1e6:g} MB; '
-            'give TRAINING_WORDS more --leaf-samples'
+            'give its recipe more --leaf-samples'
         )
         raise InputError(msg)
     target = arguments.target / f'{arguments.name}.npz'
@@ -215,7 +217,7 @@ def publish(arguments: argparse.Namespace, made: Made, results: dict[str, Any]) 
         'sha256': hashlib.sha256(target.read_bytes()).hexdigest(),
         'training': [path.name for path in made.training],
         'calibration': [path.name for path in made.calibration],
-        'words': list(TRAINING_WORDS),
+        'words': _words(arguments),
         'mocap': bool(arguments.mocap),
     }
     write_json(target.with_suffix('.json'), facts | results)

@@ -36,10 +36,18 @@ class Recipe(NamedTuple):
     Attributes:
         training: is learnt from.
         calibration: other people, who teach which confidence is right.
+        tests: who the model is measured on, together.
+        others: who it is measured on beside them, each by itself.
+        words: what `lsc_pose train` is told beside what all models are.
+        memory: for the training, GiB; it decides from how many points a person is learnt.
     """
 
     training: tuple[Part, ...]
     calibration: tuple[Part, ...]
+    tests: tuple[Part, ...]
+    others: tuple[Part, ...]
+    words: tuple[str, ...]
+    memory: float
 
 
 # A person for every three frames: many people are worth more than many poses of each. Cameras on
@@ -49,11 +57,37 @@ _ALL_ROUND = SyntheticSettings(
 )
 _FRONT = _ALL_ROUND._replace(yaw=60.0)
 
+_MANY_FRONT = Part('kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_share=0.65))
+
+# Of each sensor, from all sides.
+_ALL_VIEWS = (
+    Part('test_kinect_v1', _ALL_ROUND._replace(frames=600, seed=901)),
+    Part('test_kinect_v2', _ALL_ROUND._replace(frames=300, seed=902, sensor='kinect_v2')),
+    Part('test_azure', _ALL_ROUND._replace(frames=300, seed=903, sensor='azure')),
+    Part('test_realsense', _ALL_ROUND._replace(frames=300, seed=904, sensor='realsense')),
+    Part('test_zed', _ALL_ROUND._replace(frames=300, seed=905, sensor='zed')),
+    Part('test_tof', _ALL_ROUND._replace(frames=300, seed=906, sensor='tof')),
+)
+# Of one kind of people each.
+_OTHERS = (
+    Part('test_front', _FRONT._replace(frames=300, seed=911)),
+    Part('test_children', _ALL_ROUND._replace(frames=300, seed=912, age=CHILDREN)),
+    Part('test_adults', _ALL_ROUND._replace(frames=300, seed=913, age=ADULTS)),
+    Part('test_old', _ALL_ROUND._replace(frames=300, seed=916, age=OLD)),
+    Part('test_cropped', _ALL_ROUND._replace(frames=300, seed=914, cropped=True)),
+    Part('test_two_people', _ALL_ROUND._replace(frames=300, seed=915, people=2)),
+)
+
+_FRONT_VIEWS = tuple(
+    Part(f'front_{part.name}', part.settings._replace(seed=part.settings.seed + 40, yaw=60.0))
+    for part in _ALL_VIEWS
+)
+
 RECIPES: dict[str, Recipe] = {
     'default': Recipe(
         training=(
             Part('kinect_v1', _ALL_ROUND._replace(frames=12_000, seed=101)),
-            Part('kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_share=0.65)),
+            _MANY_FRONT,
             Part(
                 'kinect_v1_far', _ALL_ROUND._replace(frames=1_000, seed=103, distance=(3.0, 5.0))
             ),
@@ -84,9 +118,14 @@ RECIPES: dict[str, Recipe] = {
             ),
             Part('calibration_tof', _ALL_ROUND._replace(frames=900, seed=203, sensor='tof')),
         ),
+        tests=_ALL_VIEWS,
+        others=_OTHERS,
+        words=('--leaf-samples', '42', '--facing'),
+        memory=20.0,
     ),
     'front': Recipe(
         training=(
+            _MANY_FRONT,
             Part('front_kinect_v1', _FRONT._replace(frames=12_000, seed=301)),
             Part('front_children', _FRONT._replace(frames=1_500, seed=302, age=CHILDREN)),
             Part('front_kinect_v2', _FRONT._replace(frames=1_500, seed=303, sensor='kinect_v2')),
@@ -96,29 +135,13 @@ RECIPES: dict[str, Recipe] = {
             Part('front_tof', _FRONT._replace(frames=1_000, seed=307, sensor='tof')),
         ),
         calibration=(Part('front_calibration', _FRONT._replace(frames=1_000, seed=401)),),
+        tests=_FRONT_VIEWS,
+        others=(),
+        words=('--leaf-samples', '20'),
+        memory=8.0,
     ),
 }
 """What each model of the package is made from, by its name."""
-
-ALL_VIEWS = (
-    Part('test_kinect_v1', _ALL_ROUND._replace(frames=600, seed=901)),
-    Part('test_kinect_v2', _ALL_ROUND._replace(frames=300, seed=902, sensor='kinect_v2')),
-    Part('test_azure', _ALL_ROUND._replace(frames=300, seed=903, sensor='azure')),
-    Part('test_realsense', _ALL_ROUND._replace(frames=300, seed=904, sensor='realsense')),
-    Part('test_zed', _ALL_ROUND._replace(frames=300, seed=905, sensor='zed')),
-    Part('test_tof', _ALL_ROUND._replace(frames=300, seed=906, sensor='tof')),
-)
-"""The tests of each sensor, from all sides; together they are the model's own test."""
-
-OTHERS = (
-    Part('test_front', _FRONT._replace(frames=300, seed=911)),
-    Part('test_children', _ALL_ROUND._replace(frames=300, seed=912, age=CHILDREN)),
-    Part('test_adults', _ALL_ROUND._replace(frames=300, seed=913, age=ADULTS)),
-    Part('test_old', _ALL_ROUND._replace(frames=300, seed=916, age=OLD)),
-    Part('test_cropped', _ALL_ROUND._replace(frames=300, seed=914, cropped=True)),
-    Part('test_two_people', _ALL_ROUND._replace(frames=300, seed=915, people=2)),
-)
-"""Tests of one kind of people each."""
 
 
 class Mocap(NamedTuple):

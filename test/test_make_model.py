@@ -54,13 +54,20 @@ def test_yaw_is_against_the_line_of_sight() -> None:
 
 
 def test_every_recording_has_people_of_its_own() -> None:
-    parts = [
-        *(part for recipe in table.RECIPES.values() for half in recipe for part in half),
-        *table.ALL_VIEWS,
-        *table.OTHERS,
-    ]
-    assert len({part.settings.seed for part in parts}) == len(parts)
-    assert len({part.name for part in parts}) == len(parts)
+    shared = {
+        part
+        for recipe in table.RECIPES.values()
+        for parts in (recipe.training, recipe.calibration, recipe.tests, recipe.others)
+        for part in parts
+    }
+    assert len({part.settings.seed for part in shared}) == len(shared)
+    assert len({part.name for part in shared}) == len(shared)
+
+
+@pytest.mark.parametrize('recipe', table.RECIPES.values(), ids=table.RECIPES.keys())
+def test_nobody_is_learnt_from_and_measured(recipe: table.Recipe) -> None:
+    learnt = {part.name for part in (*recipe.training, *recipe.calibration)}
+    assert learnt.isdisjoint(part.name for part in (*recipe.tests, *recipe.others))
 
 
 def test_a_fifth_of_the_clips_is_held_out(tmp_path: Path) -> None:
@@ -90,15 +97,14 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     """A recipe of few small frames."""
     part = table.Part('few', SMALL._replace(frames=12, seed=1))
     others = (table.Part('others', SMALL._replace(frames=4, seed=2)),)
-    monkeypatch.setitem(table.RECIPES, 'default', table.Recipe((part,), others))
     views = (
         table.Part('one', SMALL._replace(frames=6, seed=3, yaw=180.0)),
         table.Part('two', SMALL._replace(frames=3, seed=4, people=2, distance=(2.5, 4.0))),
     )
-    monkeypatch.setattr(make, 'ALL_VIEWS', views)
-    monkeypatch.setattr(make, 'OTHERS', views[:1])
     words = ('--points', '100', '--trees', '1', '--joints', 'torso', 'head', 'l_hand')
-    monkeypatch.setattr(make, 'TRAINING_WORDS', words)
+    recipe = table.Recipe((part,), others, views, views[:1], words, 8.0)
+    monkeypatch.setitem(table.RECIPES, 'default', recipe)
+    monkeypatch.setattr(make, 'TRAINING_WORDS', ())
 
 
 def test_a_model_is_made_measured_and_made_no_second_time(tiny: None, tmp_path: Path) -> None:
