@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.density import density
+from lsc_pose_ros.core.density import Cloud, Place, density
 from lsc_pose_ros.core.jit import kernel
 from lsc_pose_ros.core.votes import CastVotes, votes_for
 
@@ -36,8 +36,20 @@ def support(
         cloud = votes_for(votes, joint)
         if cloud.x.shape[0] == 0 or math.isnan(places[joint, 0]):
             continue
-        shares[joint] = density(places[joint], cloud, bandwidth) / np.sum(cloud.weight)
+        shares[joint] = share_behind(places[joint], cloud, bandwidth)
     return shares
+
+
+@kernel
+def share_behind(place: Place, cloud: Cloud, bandwidth: float) -> np.float32:
+    """Return which share of the weight of votes for one joint supports a place, 0 to 1.
+
+    Args:
+        place: metres, shape (3,).
+        cloud: the votes, one at least.
+        bandwidth: h_j, metres.
+    """
+    return density(place, cloud, bandwidth) / np.sum(cloud.weight)
 
 
 @kernel

@@ -12,7 +12,8 @@ Conditional regression forests for human pose estimation (CVPR 2012). This goes 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.density import density, find_modes
+from lsc_pose_ros.core.confidence import share_behind
+from lsc_pose_ros.core.density import find_modes
 from lsc_pose_ros.core.facing import facings_around, with_facing
 from lsc_pose_ros.core.forest import find_leaves
 from lsc_pose_ros.core.jit import kernel
@@ -114,5 +115,5 @@ def agreement(votes: CastVotes, bandwidth: float) -> float:
         cloud = votes_for(votes, joint)
         modes = find_modes(cloud, bandwidth, 1)
         if modes.shape[0] > 0:
-            total += float(density(modes[0], cloud, bandwidth)) / float(np.sum(cloud.weight))
+            total += float(share_behind(modes[0], cloud, bandwidth))
     return total
