@@ -9,7 +9,8 @@ BIN := $(VENV)/bin
 # passes the same tests on Python 3.11, by hand; it has no wheels for 3.12.)
 FLOOR := .venv-floor
 FLOOR_PACKAGES := 'numpy==1.26.*' 'numba==0.59.*' 'mcap==1.3.*' 'rosbags==0.10.*' 'pytest==7.4.*'
-FLOOR_TESTS := test/core test/learning test/data/test_model_file.py
+FLOOR_TESTS := test/data_types test/numerics test/pose test/segmentation test/tracking test/estimation \
+	test/training test/evaluation test/model_io/test_model_file.py
 FLOOR_PYTHON = $(shell for python in '$(PYTHON)' python3.12 python3.11 python3.10; do \
 	"$$python" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 12))' \
 	2>/dev/null && echo "$$python" && break; done)
@@ -84,11 +85,11 @@ clean:
 # A Jazzy that is sourced serves where the environment can import it; else the wheels do.
 $(VENV)/installed: setup.py pyproject.toml .ci/environment
 ifeq ($(ROS_DISTRO),jazzy)
-	.ci/environment $(VENV) '$(PYTHON)' --system-site-packages -- --editable '.[test]'
+	.ci/environment $(VENV) '$(PYTHON)' --system-site-packages -- --editable '.[test]' --editable ./experiments
 	$(BIN)/python -c 'import rclpy.node' 2>/dev/null || \
-	    .ci/environment $(VENV) '$(PYTHON)' -- --editable '.[ros,test]'
+	    .ci/environment $(VENV) '$(PYTHON)' -- --editable '.[ros,test]' --editable ./experiments
 else
-	.ci/environment $(VENV) '$(PYTHON)' -- --editable '.[ros,test]'
+	.ci/environment $(VENV) '$(PYTHON)' -- --editable '.[ros,test]' --editable ./experiments
 endif
 	@touch $@
 

@@ -71,16 +71,17 @@ setup(
         (f'share/{PACKAGE}', ['package.xml']),
         *shared_files('config'),
         *shared_files('launch'),
-        *shared_files('bodies'),
-        *shared_files('models', '*.npz'),  # not the program that makes them
     ],
+    package_data={
+        f'{PACKAGE}.resources': ['bodies/*', 'config/*', 'config/*/*', 'models/*'],
+    },
     install_requires=REQUIREMENTS,
     extras_require=EXTRAS,
     zip_safe=False,
     entry_points={
         'console_scripts': [
             'lsc_pose = lsc_pose_ros.cli.main:main',
-            'pose_node = lsc_pose_ros.ros.main:main',
+            'pose_node = lsc_pose_ros.ros.node.main:main',
         ],
     },
 )

@@ -18,20 +18,20 @@ from typing import Any, NamedTuple
 import numpy as np
 from page import draw_curves, write_tables
 
-from lsc_pose_ros.cli.bench_results import bench_results
-from lsc_pose_ros.cli.json_file import write_json
-from lsc_pose_ros.cli.machine import describe_machine, versions
-from lsc_pose_ros.cli.progress import progress
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.frame import NO_BODY, Frame
-from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
-from lsc_pose_ros.core.model import Model
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
-from lsc_pose_ros.data.synthetic.settings import sensor_of
-from lsc_pose_ros.learning.benchmark import summarise_times, time_frames, warm_up
-from lsc_pose_ros.learning.encoded_frame import EncodedFrame, decode_frame, encode_frame
-from lsc_pose_ros.learning.train import TrainingSettings, train
+from lsc_pose_ros.cli.output.bench_results import bench_results
+from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.cli.output.machine import describe_machine, versions
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.evaluation.benchmark import summarise_times, time_frames, warm_up
+from lsc_pose_ros.evaluation.encoded_frame import EncodedFrame, decode_frame, encode_frame
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.synthetic.settings import sensor_of
+from lsc_pose_ros.training.train import TrainingSettings, train
 
 POINTS = range(100, 901, 100)
 QUERY_POINTS = (25, 50, 100, 150, 180, 300, 400)
@@ -53,7 +53,7 @@ class Labelled(NamedTuple):
     """A frame with its truth, in a third of a Frame's memory."""
 
     encoded: EncodedFrame
-    truth: Skeletons | None
+    ground_truth: Skeletons | None
 
 
 class Setup(NamedTuple):
@@ -80,7 +80,7 @@ def measure() -> dict[str, object]:
     """Return all that is measured, as `page` reads it."""
     begin = time.monotonic()
     labelled = [
-        Labelled(encode_frame(frame), frame.truth)
+        Labelled(encode_frame(frame), frame.ground_truth)
         for frame in progress(synthetic_frames(_TRAINING), _TRAINING.frames, 'generating')
     ]
     training = _time_training(labelled)
@@ -130,8 +130,8 @@ def _train(labelled: Sequence[Labelled], trees: int) -> Model:
 
 
 def _frames(labelled: Sequence[Labelled]) -> Iterator[Frame]:
-    for stamp, (encoded, truth) in enumerate(labelled):
-        yield Frame(stamp, 'camera', *decode_frame(encoded), encoded.camera, truth)
+    for stamp, (encoded, ground_truth) in enumerate(labelled):
+        yield Frame(stamp, 'camera', *decode_frame(encoded), encoded.camera, ground_truth)
 
 
 def _time_stages(model: Model) -> list[dict[str, Any]]:

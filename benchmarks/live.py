@@ -20,16 +20,16 @@ from typing import Any
 from live_page import live_table, write_live_table
 from live_run import Setup, measure
 
-from lsc_pose_ros.cli.bench_command import TRAINING
-from lsc_pose_ros.cli.image_size import image_size
-from lsc_pose_ros.cli.json_file import write_json
-from lsc_pose_ros.cli.machine import describe_machine, versions
-from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
-from lsc_pose_ros.data.model_file import save_model
-from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.cli.commands.bench_command import TRAINING
+from lsc_pose_ros.cli.options.image_size import image_size
+from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.cli.output.machine import describe_machine, versions
+from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.learning.train import TrainingSettings, train
+from lsc_pose_ros.model_io.model_file import save_model
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.training.train import TrainingSettings, train
 
 SIZE = (640, 480)
 RATE = 30.0

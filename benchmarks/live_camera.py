@@ -23,8 +23,8 @@ from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CameraInfo, Image
 
-from lsc_pose_ros.data.recording import read_messages
-from lsc_pose_ros.data.recording.topics import DEFAULT_TOPICS
+from lsc_pose_ros.bags import read_messages
+from lsc_pose_ros.bags.topics import DEFAULT_TOPICS
 
 _TOPICS = (DEFAULT_TOPICS.depth, DEFAULT_TOPICS.camera_info, DEFAULT_TOPICS.mask)
 _START_TIMEOUT = 60.0

@@ -14,11 +14,11 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import deserialize_message
 
-from lsc_pose_ros.data.answering import SKELETONS_TOPIC
-from lsc_pose_ros.data.recording.messages import read_skeletons
-from lsc_pose_ros.data.recording.raw import POINT_CLOUD
-from lsc_pose_ros.ros.diagnostics import TOPIC as DIAGNOSTICS_TOPIC
-from lsc_pose_ros.ros.listener import open_listener
+from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
+from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
+from lsc_pose_ros.ros.health.diagnostics import TOPIC as DIAGNOSTICS_TOPIC
+from lsc_pose_ros.ros.playback.listener import open_listener
 
 _TYPES = {SKELETONS_TOPIC: POINT_CLOUD, DIAGNOSTICS_TOPIC: 'diagnostic_msgs/msg/DiagnosticArray'}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.pictures.canvas import write_beside
+from lsc_pose_ros.viz.drawing.canvas import write_beside
 
 _PATTERN = re.compile(r'(<!-- live -->\n).*(<!-- live end -->)', re.DOTALL)
 

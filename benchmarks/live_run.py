@@ -94,7 +94,7 @@ def _observe(setup: Setup, recording: Path, model: Path, folder: Path) -> Observ
     before = os.getloadavg()[0]
     environment = _environment()
     notes = folder / 'heard.json'
-    node_words = ['-m', 'lsc_pose_ros.ros.main', '--ros-args', '-p', f'model:={model}']
+    node_words = ['-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={model}']
     camera_words = [
         str(_HERE / 'live_camera.py'), str(recording), '--rate', str(setup.rate),
         '--seconds', str(setup.settle + setup.seconds),

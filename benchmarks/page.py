@@ -11,10 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lsc_pose_ros.learning.benchmark import WHOLE
-from lsc_pose_ros.learning.stage_times import STAGES
-from lsc_pose_ros.pictures.canvas import house_style, new_figure, save_png, write_beside
-from lsc_pose_ros.pictures.legend import place_legend
+from lsc_pose_ros.evaluation.benchmark import WHOLE
+from lsc_pose_ros.evaluation.stage_times import STAGES
+from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure, save_png, write_beside
+from lsc_pose_ros.viz.drawing.legend import place_legend
 
 # Told apart by the colour-blind too (Okabe and Ito), neighbours also by their lightness.
 _COLOURS = dict(

@@ -12,23 +12,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lsc_pose_ros.core.descriptor import DESCRIPTOR_SIZE
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.joints import DEFAULT_JOINTS, numbers_of
-from lsc_pose_ros.core.kernel_cache import describe_cache
-from lsc_pose_ros.core.model import Model
-from lsc_pose_ros.core.rvl import encode_rvl
-from lsc_pose_ros.core.segmentation import (
+from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
+from lsc_pose_ros.estimation.warm_up import warm_up, warm_up_segmenter
+from lsc_pose_ros.messages.rvl import encode_rvl
+from lsc_pose_ros.numerics.kernel_cache import describe_cache
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.features.shape_context_3d import DESCRIPTOR_SIZE
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.pose.settings import FEATURES, Settings
+from lsc_pose_ros.segmentation.segmenter import (
     SEGMENTATIONS,
     SegmentationSettings,
     make_segmenter,
 )
-from lsc_pose_ros.core.settings import FEATURES, Settings
-from lsc_pose_ros.core.warm_up import warm_up, warm_up_segmenter
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
-from lsc_pose_ros.learning.criterion import ENTROPY, SPREAD, contributions, offset_moments
-from lsc_pose_ros.learning.growth import BRANCH_SAMPLES, GrowthSettings, grow_tree
-from lsc_pose_ros.learning.train import TrainingSettings, train
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.training.criterion import ENTROPY, SPREAD, contributions, offset_moments
+from lsc_pose_ros.training.train import TrainingSettings, train
+from lsc_pose_ros.training.tree_growth import BRANCH_SAMPLES, GrowthSettings, grow_tree
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -74,7 +74,7 @@ def _train() -> Model:
         train(
             synthetic_frames(settings),
             training._replace(
-                settings=Settings(feature=feature, facings=2, noise_factor=1.0, fill_holes=5),
+                settings=Settings(feature=feature, body_yaws=2, noise_factor=1.0, fill_holes=5),
                 criterion=criterion,
             ),
             {},
@@ -82,7 +82,7 @@ def _train() -> Model:
         for feature, criterion in choices
     )
     rng = np.random.default_rng(0)
-    levels = rng.integers(0, 256, (DESCRIPTOR_SIZE, BRANCH_SAMPLES), np.uint8)
+    quantised = rng.integers(0, 256, (DESCRIPTOR_SIZE, BRANCH_SAMPLES), np.uint8)
     person = np.zeros(BRANCH_SAMPLES, np.int32)
     nowhere = (
         rng.random((BRANCH_SAMPLES, 3), np.float32),
@@ -90,7 +90,7 @@ def _train() -> Model:
         np.zeros((1, 1, 3), np.float32),
     )
     for evidence in (contributions(*nowhere), offset_moments(*nowhere, 1.0)):
-        grow_tree(levels, evidence, GrowthSettings(depth=1), rng)
+        grow_tree(quantised, evidence, GrowthSettings(depth=1), rng)
     return model
 
 

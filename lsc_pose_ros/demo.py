@@ -20,21 +20,21 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
+from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
 from lsc_pose_ros.cli import main as command_line
-from lsc_pose_ros.core.joints import names_of
-from lsc_pose_ros.data.answering import SKELETONS_TOPIC
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import RawMessage, RecordingWriter, open_frames, read_messages
-from lsc_pose_ros.data.recording.messages import read_skeletons
-from lsc_pose_ros.data.recording.raw import POINT_CLOUD
+from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.learning.evaluate import joint_errors
-from lsc_pose_ros.resources import default_model
+from lsc_pose_ros.evaluation.evaluate import joint_errors
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.resources.package_files import default_model
 from lsc_pose_ros.ros.isolation import isolated_environment
 from lsc_pose_ros.ros.requirements import load_with_ros
 
 if TYPE_CHECKING:
-    from lsc_pose_ros.core.skeletons import Skeletons
+    from lsc_pose_ros.data_types.skeletons import Skeletons
 
 TRAINING_FRAMES = 1500
 TEST_FRAMES = 200
@@ -161,9 +161,9 @@ def compare(recording: Path) -> Outcome:
     errors: list[float] = []
     for frame in open_frames(recording):
         frames += 1
-        if frame.truth is None or frame.stamp not in answers:
+        if frame.ground_truth is None or frame.stamp not in answers:
             continue
-        distances = joint_errors(answers[frame.stamp], frame.truth)
+        distances = joint_errors(answers[frame.stamp], frame.ground_truth)
         found = np.isfinite(distances)
         answered += bool(found.any(axis=1).all())
         errors.extend(distances[found].tolist())
@@ -230,7 +230,7 @@ def _answers(files: Files) -> list[RawMessage]:
 @contextmanager
 def _listener() -> Iterator[Any]:
     """Give a listener to the node's answers, once it has found the node."""
-    opened = load_with_ros('lsc_pose_ros.ros.listener').open_listener
+    opened = load_with_ros('lsc_pose_ros.ros.playback.listener').open_listener
     with opened({SKELETONS_TOPIC: POINT_CLOUD}) as listener:
         if not listener.wait_for_publishers(_START_TIMEOUT):
             msg = f'pose_node did not advertise {SKELETONS_TOPIC} in {_START_TIMEOUT:g} s'
@@ -245,7 +245,7 @@ def _live_node(files: Files, model: Path) -> Iterator[None]:
     _say(f'\n$ pose_node {" ".join(words)}')
     with files.log.open('wb') as log:
         node = subprocess.Popen(  # noqa: S603 - our own program
-            [sys.executable, '-m', 'lsc_pose_ros.ros.main', *words],
+            [sys.executable, '-m', 'lsc_pose_ros.ros.node.main', *words],
             stdout=log,
             stderr=subprocess.STDOUT,
             start_new_session=True,

@@ -10,15 +10,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.core.joints import numbers_of
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.learning.evaluate import Evaluation, evaluate, select, summarise
-from lsc_pose_ros.learning.offsets import apply_offsets, fit_offsets
-from lsc_pose_ros.learning.reliability import measure_reliability
-from lsc_pose_ros.learning.samples import select_joints
-from lsc_pose_ros.pictures.canvas import write_beside
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.evaluation.confidence_reliability import measure_reliability
+from lsc_pose_ros.evaluation.evaluate import Evaluation, evaluate, select, summarise
+from lsc_pose_ros.evaluation.offsets import apply_offsets, fit_offsets
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.training.samples import select_joints
+from lsc_pose_ros.viz.drawing.canvas import write_beside
 
 TOLERANCE = 0.1
 
@@ -67,19 +67,21 @@ def measure(estimator: Estimator, recording: str, frames: Iterable[Frame]) -> Pe
 def _watched(frames: Iterable[Frame], views: list[NDArray[np.float64]]) -> Iterator[Frame]:
     """Yield `frames`; keep the yaw and the distance of the people whom `evaluate` counts."""
     for frame in frames:
-        if frame.truth is not None and len(frame.truth.bodies):
-            views.append(np.stack([yaw_of(frame.truth), distance_of(frame.truth)], axis=1))
+        if frame.ground_truth is not None and len(frame.ground_truth.bodies):
+            views.append(
+                np.stack([yaw_of(frame.ground_truth), distance_of(frame.ground_truth)], axis=1)
+            )
         yield frame
 
 
-def yaw_of(truth: Skeletons) -> NDArray[np.float64]:
+def yaw_of(ground_truth: Skeletons) -> NDArray[np.float64]:
     """Return how far each body faces aside of the camera, degrees from 0 to 180, shape (B,).
 
     By the line from the right to the left shoulder and hip, as seen from above, against the line
     of sight. NaN where these are not labelled.
     """
     names = ('l_shoulder', 'r_shoulder', 'l_hip', 'r_hip')
-    places = dict(zip(names, np.moveaxis(_places(truth, names), 1, 0), strict=True))
+    places = dict(zip(names, np.moveaxis(_places(ground_truth, names), 1, 0), strict=True))
     left = places['l_shoulder'] - places['r_shoulder'] + places['l_hip'] - places['r_hip']
     # x to the right, z away from the camera: whoever faces it has the left side at its right.
     forward = np.stack([left[:, 2], -left[:, 0]], axis=1)
@@ -91,15 +93,15 @@ def yaw_of(truth: Skeletons) -> NDArray[np.float64]:
     return yaw
 
 
-def distance_of(truth: Skeletons) -> NDArray[np.float64]:
+def distance_of(ground_truth: Skeletons) -> NDArray[np.float64]:
     """Return how far each body's torso is along the camera's axis, metres, shape (B,)."""
-    return _places(truth, ('torso',))[:, 0, 2]
+    return _places(ground_truth, ('torso',))[:, 0, 2]
 
 
-def _places(truth: Skeletons, names: Sequence[str]) -> NDArray[np.float64]:
+def _places(ground_truth: Skeletons, names: Sequence[str]) -> NDArray[np.float64]:
     """Return the places of the joints `names`, in that order, shape (B, len(names), 3)."""
     numbers = np.array([numbers_of([name])[0] for name in names], np.uint16)
-    return select_joints(truth, numbers).astype(np.float64)
+    return select_joints(ground_truth, numbers).astype(np.float64)
 
 
 def join(people: Sequence[People]) -> People:

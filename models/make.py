@@ -34,14 +34,14 @@ from card import (
 )
 from people import RECIPES, Mocap, Part, find_mocap, generate
 
+from lsc_pose_ros.bags import open_frames
 from lsc_pose_ros.cli import main as command_line
-from lsc_pose_ros.cli.json_file import write_json
-from lsc_pose_ros.cli.labelled_frames import read_frames
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.joints import JOINT_NAMES
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import open_frames
+from lsc_pose_ros.cli.input.labelled_frames import read_frames
+from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
 
 HERE = Path(__file__).resolve().parent
 

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from lsc_pose_ros.cli.progress import progress
-from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 
 CHILDREN, ADULTS, OLD = (4.0, 12.0), (18.0, 60.0), (65.0, 85.0)
 """Ages, years."""
@@ -120,7 +120,7 @@ RECIPES: dict[str, Recipe] = {
         ),
         tests=_ALL_VIEWS,
         others=_OTHERS,
-        words=('--leaf-samples', '42', '--facing'),
+        words=('--leaf-samples', '42', '--body-yaw'),
         memory=20.0,
     ),
     'front': Recipe(

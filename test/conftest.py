@@ -6,17 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.frame import NO_BODY, Frame
-from lsc_pose_ros.core.joints import numbers_of
-from lsc_pose_ros.core.model import Model
-from lsc_pose_ros.core.settings import Settings
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.model_file import save_model
-from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
-from lsc_pose_ros.learning.growth import GrowthSettings
-from lsc_pose_ros.learning.train import TrainingSettings, train
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.model_io.model_file import save_model
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.resources.package_files import resource
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.training.train import TrainingSettings, train
+from lsc_pose_ros.training.tree_growth import GrowthSettings
 
 HEIGHT, WIDTH = 48, 64
 CAMERA = Intrinsics(60.0, 61.0, 31.5, 23.5)
@@ -48,13 +49,15 @@ def simple_frame(number: int) -> Frame:
     positions[..., 1] = np.array([-0.6, -0.4, 0.2])
     positions[..., 2] = np.array([[2.35], [2.6]])
     positions[1, 2] = np.nan
-    truth = Skeletons(
+    ground_truth = Skeletons(
         np.array([1, 2], np.uint16),
         np.array([0, 1, 3], np.uint16),
         positions,
         np.isfinite(positions[..., 0]).astype(np.float32),
     )
-    return Frame(START + number * FRAME_TIME, 'camera_depth_optical', depth, labels, CAMERA, truth)
+    return Frame(
+        START + number * FRAME_TIME, 'camera_depth_optical', depth, labels, CAMERA, ground_truth
+    )
 
 
 @pytest.fixture(scope='session')
@@ -130,27 +133,26 @@ def all_round_people(all_round: SyntheticSettings) -> list[Frame]:
 
 
 @pytest.fixture(scope='session')
-def facing_model(all_round_people: list[Frame], training: TrainingSettings) -> Model:
+def body_yaw_model(all_round_people: list[Frame], training: TrainingSettings) -> Model:
     """A model trained on `all_round_people` that finds where people face."""
-    told = training._replace(trees=3, settings=training.settings._replace(facings=8))
+    told = training._replace(trees=3, settings=training.settings._replace(body_yaws=8))
     return train(all_round_people, told, {'recordings': 'all round'})
 
 
 @pytest.fixture(scope='session')
-def facing_model_file(facing_model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def body_yaw_model_file(body_yaw_model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The file of `facing_model`; not to be changed."""
     path = tmp_path_factory.mktemp('model') / 'facing.npz'
-    save_model(path, facing_model)
+    save_model(path, body_yaw_model)
     return path
 
 
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder of the models that come with the package, which is empty at first."""
-    share = tmp_path / 'share'
-    (share / 'models').mkdir(parents=True)
-    source = Path(__file__).resolve().parents[1]
-    for folder in ('bodies', 'config', 'launch'):
-        (share / folder).symlink_to(source / folder)
-    monkeypatch.setattr('lsc_pose_ros.resources._shares', lambda: iter([share]))
-    return share / 'models'
+    folder = tmp_path / 'resources'
+    (folder / 'models').mkdir(parents=True)
+    for name in ('bodies', 'config'):
+        (folder / name).symlink_to(resource(name))
+    monkeypatch.setattr('lsc_pose_ros.resources.package_files._folder', lambda: folder)
+    return folder / 'models'

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.core.joints import numbers_of
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.learning.evaluate import evaluate, summarise
+from lsc_pose_ros.evaluation.evaluate import evaluate, summarise
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'models'))
 
@@ -26,7 +26,7 @@ import people as table
 TRUNK = ['torso', 'l_shoulder', 'l_hip', 'r_shoulder', 'r_hip']
 
 
-def facing(yaw: float, place: tuple[float, float, float] = (0.0, 0.0, 3.0)) -> Skeletons:
+def body_yaw(yaw: float, place: tuple[float, float, float] = (0.0, 0.0, 3.0)) -> Skeletons:
     """A trunk whose face is turned to the person's left by `yaw` degrees, from facing us."""
     angle = np.radians(yaw)
     # Who faces the camera has the left side at the image's right.
@@ -44,13 +44,13 @@ def facing(yaw: float, place: tuple[float, float, float] = (0.0, 0.0, 3.0)) -> S
 
 @pytest.mark.parametrize('yaw', [0, 20, -45, 90, -90, 135, 180])
 def test_yaw_is_the_angle_away_from_the_camera(yaw: float) -> None:
-    np.testing.assert_allclose(card.yaw_of(facing(yaw)), abs(yaw), atol=0.05)
+    np.testing.assert_allclose(card.yaw_of(body_yaw(yaw)), abs(yaw), atol=0.05)
 
 
 def test_yaw_is_against_the_line_of_sight() -> None:
     """Who stands 45 degrees aside and faces along the axis shows 45 degrees."""
-    np.testing.assert_allclose(card.yaw_of(facing(0, (2.0, 0.5, 2.0))), 45, atol=0.05)
-    np.testing.assert_allclose(card.distance_of(facing(0, (2.0, 0.5, 2.0))), 2)
+    np.testing.assert_allclose(card.yaw_of(body_yaw(0, (2.0, 0.5, 2.0))), 45, atol=0.05)
+    np.testing.assert_allclose(card.distance_of(body_yaw(0, (2.0, 0.5, 2.0))), 2)
 
 
 def test_every_recording_has_people_of_its_own() -> None:

@@ -149,15 +149,10 @@ def test_the_wheel_holds_every_module(wheel: zipfile.ZipFile) -> None:
 def test_the_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile) -> None:
     expected = {'share/ament_index/resource_index/packages/lsc_pose_ros'}
     expected.add('share/lsc_pose_ros/package.xml')
-    for folder, pattern in (
-        ('config', '*'),
-        ('launch', '*'),
-        ('bodies', '*'),
-        ('models', '*.npz'),
-    ):
+    for folder in ('config', 'launch'):
         expected |= {
             f'share/lsc_pose_ros/{path.relative_to(ROOT)}'
-            for path in (ROOT / folder).rglob(pattern)
+            for path in (ROOT / folder).rglob('*')
             if path.is_file() and path.suffix != '.pyc'
         }
     data = f'lsc_pose_ros-{lsc_pose_ros.__version__}.data/data/'

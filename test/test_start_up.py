@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 import lsc_pose_ros
-from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 
 COUNT = """
 import sys
@@ -33,15 +33,15 @@ import json
 
 import numpy as np
 
-from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.decode import ImageLayout
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.warm_up import warm_up
-from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import open_frames
-from lsc_pose_ros.data.recording.images import depth_of, labels_of
-from lsc_pose_ros.data.recording.messages import CompressedImageMessage, ImageMessage
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.messages.image_encodings import ImageLayout
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.estimation.warm_up import warm_up
+from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.bags.serialization.image_messages import depth_of, labels_of
+from lsc_pose_ros.bags.serialization.deserialize import CompressedImageMessage, ImageMessage
 
 def image(pixels, encoding, padding=0):
     pixels = np.pad(pixels, ((0, 0), (0, padding)))
@@ -99,7 +99,7 @@ assert compile.main([]) == 0
 before = compiled()
 
 from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.data.compressed_depth import decode_compressed_depth, encode_compressed_depth
+from lsc_pose_ros.messages.compressed_depth import decode_compressed_depth, encode_compressed_depth
 
 recording, model = sys.argv[1] + '/people.mcap', sys.argv[1] + '/model.npz'
 for words in (
@@ -107,7 +107,7 @@ for words in (
     ['synth', recording, '--frames', '60'],
     ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--feature', '2dsc'],
     ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--feature', 'dcf'],
-    ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--facing'],
+    ['train', recording, '-o', model, '--trees', '1', '--depth', '3', '--body-yaw'],
     ['evaluate', model, recording],
     ['train', recording, '-o', model, '--trees', '1', '--depth', '3'],
     ['evaluate', model, recording],
@@ -155,10 +155,10 @@ def test_no_frame_compiles_anything_after_the_warm_up(
     assert report['later'] == []
 
 
-def test_a_model_that_finds_facings_is_warmed_up_too(
-    facing_model_file: Path, recording: Path
+def test_a_model_that_finds_body_yaws_is_warmed_up_too(
+    body_yaw_model_file: Path, recording: Path
 ) -> None:
-    report = json.loads(run(COUNT + LIVE, facing_model_file, recording, 1)[-1])
+    report = json.loads(run(COUNT + LIVE, body_yaw_model_file, recording, 1)[-1])
     assert report['seen'] == [0, 6, 6]
     assert report['later'] == []
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from lsc_pose_ros.core.forest import Forest, Votes
-from lsc_pose_ros.core.joints import DEFAULT_JOINTS, default_edges, numbers_of
-from lsc_pose_ros.core.model import Model
-from lsc_pose_ros.core.settings import Settings
+from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, default_edges, numbers_of
+from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.pose.settings import Settings
 
 # The height of each kind of joint below the body's middle, in units of rho_bar.
 _HEIGHTS = {
@@ -37,8 +37,8 @@ def tiny_model() -> Model:
     return Model(joints, edges, lengths, Settings(points=120), forest, {'made': 'by hand'})
 
 
-def _votes(offsets: np.ndarray, targets: np.ndarray) -> Votes:
-    return Votes(
+def _votes(offsets: np.ndarray, targets: np.ndarray) -> LeafVotes:
+    return LeafVotes(
         np.array([0, len(targets)], np.int32),
         targets.astype(np.uint8),
         offsets.astype(np.float32),

@@ -47,17 +47,37 @@ class CommandModule(Protocol):
 
 # The help lines stand here, too, so that `--help` need not import numba and matplotlib.
 COMMANDS: dict[str, Command] = {
-    'import': Command('import_command', 'turn a public data set into a labelled recording'),
-    'synth': Command('synth_command', 'generate a labelled recording of synthetic people'),
-    'train': Command('train_command', 'learn a model from labelled recordings'),
-    'evaluate': Command('evaluate_command', 'measure a model on labelled recordings'),
-    'replay': Command('replay_command', 'estimate every frame of a recording, or publish it'),
-    'view': Command('view_command', 'draw frames of a recording, or one through every stage'),
-    'bench': Command('bench_command', 'time every stage, beside the plain kernels'),
-    'experiments': Command(
-        'experiments_command', "measure the paper's tables and figures on recordings"
+    'import': Command(
+        'lsc_pose_ros.cli.commands.import_command',
+        'turn a public data set into a labelled recording',
     ),
-    'info': Command('info_command', 'say what a recording or a model holds'),
+    'synth': Command(
+        'lsc_pose_ros.cli.commands.synth_command',
+        'generate a labelled recording of synthetic people',
+    ),
+    'train': Command(
+        'lsc_pose_ros.cli.commands.train_command', 'learn a model from labelled recordings'
+    ),
+    'evaluate': Command(
+        'lsc_pose_ros.cli.commands.evaluate_command', 'measure a model on labelled recordings'
+    ),
+    'replay': Command(
+        'lsc_pose_ros.cli.commands.replay_command',
+        'estimate every frame of a recording, or publish it',
+    ),
+    'view': Command(
+        'lsc_pose_ros.cli.commands.view_command',
+        'draw frames of a recording, or one through every stage',
+    ),
+    'bench': Command(
+        'lsc_pose_ros.cli.commands.bench_command', 'time every stage, beside the plain kernels'
+    ),
+    'experiments': Command(
+        'lsc_pose_experiments.command', "measure the paper's tables and figures on recordings"
+    ),
+    'info': Command(
+        'lsc_pose_ros.cli.commands.info_command', 'say what a recording or a model holds'
+    ),
 }
 
 
@@ -107,7 +127,7 @@ def _run(words: list[str]) -> int:
 
 def load(command: Command) -> CommandModule:
     """Import the module of `command`."""
-    return cast('CommandModule', importlib.import_module(f'lsc_pose_ros.cli.{command.module}'))
+    return cast('CommandModule', importlib.import_module(command.module))
 
 
 def _complain(message: str) -> None:

@@ -5,7 +5,7 @@ import socket
 from collections.abc import Iterator
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.resources import resource
+from lsc_pose_ros.resources.package_files import resource
 
 PROFILE_VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 

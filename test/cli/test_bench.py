@@ -5,14 +5,14 @@ import json
 import numpy as np
 import pytest
 
-from lsc_pose_ros.cli import bench_command
-from lsc_pose_ros.cli.bench_results import bench_results
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.cli.commands import bench_command
 from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.core.frame import NO_BODY
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.learning.benchmark import FrameTimes
-from lsc_pose_ros.learning.encoded_frame import encode_frame
+from lsc_pose_ros.cli.output.bench_results import bench_results
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.evaluation.benchmark import FrameTimes
+from lsc_pose_ros.evaluation.encoded_frame import encode_frame
+from lsc_pose_ros.model_io.model_file import load_model
 
 STAGES = [
     'decode', 'smooth + silhouette', 'descriptor', 'forest', 'votes', 'densities + graph', 'whole',

@@ -6,12 +6,12 @@ import re
 from html.parser import HTMLParser
 
 import pytest
+from lsc_pose_experiments.paper import EXPERIMENTS, full_scope, quick_scope
+from lsc_pose_experiments.publishing import Publisher
 from PIL import Image
 
+from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.experiments.paper import EXPERIMENTS, full_scope, quick_scope
-from lsc_pose_ros.experiments.publishing import Publisher
 
 NAMES = [
     'table1', 'table2', 'fig6', 'fig7', 'fig8', 'fig9', 'fig11', 'fig12', 'fig13', 'fig14',
@@ -135,7 +135,7 @@ def test_nothing_is_measured_twice(measured, recordings, monkeypatch):
     folder, _ = measured
     before = {path: path.stat().st_mtime_ns for path in (folder / 'trials').iterdir()}
     assert len(before) == 20
-    monkeypatch.setattr('lsc_pose_ros.experiments.running.train_on', None)
+    monkeypatch.setattr('lsc_pose_experiments.running.train_on', None)
     assert experiments(folder, recordings) == 0
     assert before == {path: path.stat().st_mtime_ns for path in (folder / 'trials').iterdir()}
 
@@ -195,7 +195,7 @@ def test_bad_input_is_named_before_anything_is_done(recordings, people, tmp_path
     assert '--seed -1' in complaint(capsys, *start, recordings[0], '--seed', '-1')
     bare = tmp_path / 'bare.mcap'
     with RecordingWriter(bare) as writer:
-        writer.write_frame(people[0]._replace(truth=None))
+        writer.write_frame(people[0]._replace(ground_truth=None))
     assert 'has no ground truth' in complaint(capsys, *start, bare)
     assert not out.exists()
     (tmp_path / 'file').write_text('')

@@ -5,8 +5,8 @@ import json
 
 import pytest
 
-from lsc_pose_ros.cli import info_command
-from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.cli.commands import info_command
 from lsc_pose_ros.errors import InputError
 
 
@@ -27,7 +27,7 @@ def test_a_recording(labelled_recording, tmp_path, capsys):
     assert (report['kind'], report['messages'], report['frames']) == ('recording', 40, 10)
     assert report['duration_s'] == pytest.approx(0.3, abs=0.001)
     assert report['size_bytes'] == labelled_recording.stat().st_size
-    assert report['frame_topics']['truth'] == '/ground_truth/skeletons'
+    assert report['frame_topics']['ground_truth'] == '/ground_truth/skeletons'
     assert report['warnings'] == []
     assert report['topics'][0] == {
         'name': '/depth/camera_info',

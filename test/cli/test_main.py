@@ -12,10 +12,10 @@ from types import SimpleNamespace
 import pytest
 
 from lsc_pose_ros import __version__
+from lsc_pose_ros.bags.topics import Topics
 from lsc_pose_ros.cli import main as cli
-from lsc_pose_ros.cli.progress import progress
-from lsc_pose_ros.cli.topic_arguments import add_topic_arguments, topics_of
-from lsc_pose_ros.data.recording.topics import Topics
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -184,7 +184,7 @@ def test_topics_are_found_by_themselves_unless_they_are_named() -> None:
     add_topic_arguments(parser)
     assert topics_of(parser.parse_args([])) == Topics()
     assert parser.parse_args([]).mask_background == 0
-    words = '--depth-topic /d --camera-info-topic /c --mask-topic /m --truth-topic /t'
+    words = '--depth-topic /d --camera-info-topic /c --mask-topic /m --ground-truth-topic /t'
     arguments = parser.parse_args([*words.split(), '--mask-background', '255'])
     assert topics_of(arguments) == Topics('/d', '/c', '/m', '/t')
     assert arguments.mask_background == 255

@@ -10,26 +10,26 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
-from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.frame import NO_BODY, Frame
-from lsc_pose_ros.core.joints import JOINT_NUMBERS
-from lsc_pose_ros.core.sequence import Sequence, SequenceSettings
-from lsc_pose_ros.data.answering import MARKERS_TOPIC, SKELETONS_TOPIC
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import (
+from lsc_pose_ros.bags import (
     DEFAULT_TOPICS,
     RecordingWriter,
     open_frames,
     read_messages,
 )
-from lsc_pose_ros.data.recording.messages import read_skeletons
-from lsc_pose_ros.data.recording.raw import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
-from lsc_pose_ros.data.recording.serialise import (
+from lsc_pose_ros.bags.estimation import MARKERS_TOPIC, SKELETONS_TOPIC
+from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
+from lsc_pose_ros.bags.serialization.serialize import (
     camera_info_message,
     depth_message,
     mask_message,
 )
+from lsc_pose_ros.bags.storage.raw_messages import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
+from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
+from lsc_pose_ros.estimation.temporal import Sequence, SequenceSettings
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
 
 LATE = 250_000_000
 
@@ -52,7 +52,7 @@ def write(writer: RecordingWriter, frame: Frame, *, masked: bool = True) -> None
     writer.write('/depth/camera_info', CAMERA_INFO, time + 1, info)
     if masked:
         writer.write('/mask', IMAGE, time + 2, mask_message(*head, frame.labels))
-    writer.write_skeletons('/ground_truth/skeletons', *head, frame.truth)
+    writer.write_skeletons('/ground_truth/skeletons', *head, frame.ground_truth)
 
 
 @pytest.fixture
@@ -170,7 +170,7 @@ def test_compressed_and_renamed_topics_are_passed_through_under_their_names(
     replay: Callable[..., Path], people: list[Frame], tmp_path: Path
 ) -> None:
     path = tmp_path / 'renamed.mcap'
-    topics = DEFAULT_TOPICS._replace(depth='/kinect/z', mask='/kinect/who', truth='')
+    topics = DEFAULT_TOPICS._replace(depth='/kinect/z', mask='/kinect/who', ground_truth='')
     with RecordingWriter(path) as writer:
         for frame in people[:3]:
             writer.write_frame(frame, topics)
@@ -236,8 +236,8 @@ def test_markers_as_asked_for(replay: Callable[..., Path], recording: Path) -> N
 
 def stands(frame: Frame) -> bool:
     """Whoever is low on the floor has not the size of a body."""
-    assert frame.truth is not None
-    heights = -frame.truth.positions[0, :, 1]
+    assert frame.ground_truth is not None
+    heights = -frame.ground_truth.positions[0, :, 1]
     return bool(heights[JOINT_NUMBERS['head']] - heights[JOINT_NUMBERS['l_foot']] > 0.8)
 
 

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
+from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.core.features import feature_size
-from lsc_pose_ros.core.settings import FEATURES, SAMPLES
-from lsc_pose_ros.data.model_file import describe_model, load_model
-from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.model_io.model_file import describe_model, load_model
+from lsc_pose_ros.pose.features.point_features import feature_size
+from lsc_pose_ros.pose.settings import FEATURES, SAMPLES
 
 SMALL = ['--points', '100', '--query-points', '60', '--trees', '2', '--depth', '9']
 JOINTS = ['--joints', 'head', 'neck', 'l_knee', '--seed', '3']

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lsc_pose_ros.cli import synth_command
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.data.recording import open_frames
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.cli.commands import synth_command
+from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 
 
 def run_command(*words: object) -> int:
@@ -29,14 +29,16 @@ def test_command_writes_what_is_generated(
     settings = SyntheticSettings(frames=4, people=2, width=160, height=120, clip_length=2, seed=5)
     read = list(open_frames(output))
     for frame, original in zip(read, synthetic_frames(settings), strict=True):
-        assert frame.truth is not None
-        assert original.truth is not None
+        assert frame.ground_truth is not None
+        assert original.ground_truth is not None
         assert frame.stamp == original.stamp
         assert frame.camera == pytest.approx(original.camera)
         np.testing.assert_array_equal(frame.labels, original.labels)
         np.testing.assert_allclose(frame.depth, original.depth, atol=1e-6)
-        np.testing.assert_array_equal(frame.truth.positions, original.truth.positions)
-        np.testing.assert_array_equal(frame.truth.bodies, original.truth.bodies)
+        np.testing.assert_array_equal(
+            frame.ground_truth.positions, original.ground_truth.positions
+        )
+        np.testing.assert_array_equal(frame.ground_truth.bodies, original.ground_truth.bodies)
 
 
 def test_command_passes_every_argument_on(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

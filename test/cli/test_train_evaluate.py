@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.frame import NO_BODY
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import RecordingWriter
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.model_io.model_file import load_model
 
 
 def record(path, frames):
@@ -81,7 +81,7 @@ def test_train_learns_from_noisy_depth_and_from_the_mirror_as_it_is_told(recordi
     assert found.settings.edge_threshold == 0.08
     assert found.settings.fill_holes == 5
     assert found.settings.noise_factor == 3.5
-    assert found.settings.facings == 0
+    assert found.settings.body_yaws == 0
     assert found.provenance['mirrored'] == 'yes'
     assert found.provenance['people'] == '60'
 
@@ -110,13 +110,13 @@ def test_train_leaves_the_graph_as_many_candidates_as_it_is_told(recordings, tmp
 
 def test_train_tells_the_forest_where_people_face(recordings, tmp_path, capsys):
     path = tmp_path / 'me.npz'
-    words = ['train', recordings[1], '-o', str(path), *SMALL, '--facing']
+    words = ['train', recordings[1], '-o', str(path), *SMALL, '--body-yaw']
     said = complaint(capsys, words)
     assert said.endswith('also learn l_shoulder, r_shoulder, l_hip, r_hip, or leave out --facing')
     assert not path.exists()
     assert main([*words, '--joints', 'l_shoulder', 'r_shoulder', 'l_hip', 'r_hip']) == 0
     found = load_model(path)
-    assert found.settings.facings == 8
+    assert found.settings.body_yaws == 8
     assert found.feature_size == 362
     assert 'facing learnt' not in found.provenance
     assert main(['evaluate', str(path), recordings[1]]) == 0
@@ -221,9 +221,11 @@ def moved(recordings, people, tmp_path_factory):
     """The recording to be tested on, as other labels put it: the head 30 cm farther up."""
     frames = []
     for frame in people[150:180]:
-        positions = frame.truth.positions.copy()
-        positions[:, frame.truth.joints == 0] += np.array([0, -0.3, 0], np.float32)
-        frames.append(frame._replace(truth=frame.truth._replace(positions=positions)))
+        positions = frame.ground_truth.positions.copy()
+        positions[:, frame.ground_truth.joints == 0] += np.array([0, -0.3, 0], np.float32)
+        frames.append(
+            frame._replace(ground_truth=frame.ground_truth._replace(positions=positions))
+        )
     assert recordings
     folder = tmp_path_factory.mktemp('moved')
     return record(folder / 'fit.mcap', frames[::2]), record(folder / 'test.mcap', frames[1::2])
@@ -268,8 +270,8 @@ def test_some_joints_only(model, recordings, tmp_path, capsys):
     assert 'does not estimate l_hand; its joints are head, neck, l_knee' in line
 
 
-def test_recordings_for_the_offsets_need_truth(model, recordings, people, tmp_path, capsys):
-    path = record(tmp_path / 'bare.mcap', [f._replace(truth=None) for f in people[:3]])
+def test_recordings_for_the_offsets_need_ground_truth(model, recordings, people, tmp_path, capsys):
+    path = record(tmp_path / 'bare.mcap', [f._replace(ground_truth=None) for f in people[:3]])
     words = ['evaluate', model, recordings[1], '--offsets-from', path]
     assert 'bare.mcap has no ground truth' in complaint(capsys, words)
 
@@ -321,8 +323,8 @@ def test_an_unknown_joint(recordings, tmp_path, capsys):
     assert 'unknown joint nose; the joints are head' in complaint(capsys, words)
 
 
-def test_a_recording_without_truth(model, people, tmp_path, capsys):
-    path = record(tmp_path / 'bare.mcap', [f._replace(truth=None) for f in people[:3]])
+def test_a_recording_without_ground_truth(model, people, tmp_path, capsys):
+    path = record(tmp_path / 'bare.mcap', [f._replace(ground_truth=None) for f in people[:3]])
     assert 'has no ground truth' in complaint(capsys, ['evaluate', model, path])
     assert 'has no ground truth' in complaint(capsys, ['train', path, '-o', tmp_path / 'm.npz'])
 

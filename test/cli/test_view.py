@@ -5,16 +5,16 @@ import pytest
 from PIL import Image
 from tiny_model import tiny_model
 
-from lsc_pose_ros.cli.frame_choice import pick, spread
+from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.model_file import save_model
-from lsc_pose_ros.data.recording import RecordingWriter
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.cli.options.frame_selection import pick, spread
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.pictures import sheet
-from lsc_pose_ros.pictures.drawn_frame import DrawnFrame
+from lsc_pose_ros.model_io.model_file import save_model
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.viz.report import contact_sheet as sheet
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
 
 FRAMES = 9
 _SMALL = SyntheticSettings(frames=FRAMES, width=160, height=120, clip_length=3, people=2)
@@ -54,9 +54,9 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def beside(frame: Frame, metres: float) -> Skeletons:
-    assert frame.truth is not None
+    assert frame.ground_truth is not None
     offset = np.array([metres, 0, 0], np.float32)
-    return frame.truth._replace(positions=frame.truth.positions + offset)
+    return frame.ground_truth._replace(positions=frame.ground_truth.positions + offset)
 
 
 @pytest.fixture
@@ -68,7 +68,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[DrawnFrame]:
         frames.extend(given)
         return sheet.contact_sheet(given[:1], title)
 
-    monkeypatch.setattr('lsc_pose_ros.cli.view_command.contact_sheet', draw)
+    monkeypatch.setattr('lsc_pose_ros.cli.commands.view_command.contact_sheet', draw)
     return frames
 
 
@@ -110,12 +110,12 @@ def test_frames_are_estimated_with_the_model(
         assert each.settings == tiny_model().settings
 
 
-def test_without_a_model_the_truth_is_drawn(
+def test_without_a_model_the_ground_truth_is_drawn(
     recording: Path, tmp_path: Path, drawn: list[DrawnFrame]
 ) -> None:
     assert main(['view', str(recording), '-o', str(tmp_path / 'a.png')]) == 0
     assert len(drawn) == FRAMES
-    assert all(each.estimate is None and each.frame.truth is not None for each in drawn)
+    assert all(each.estimate is None and each.frame.ground_truth is not None for each in drawn)
 
 
 @pytest.mark.parametrize(('topic', 'metres'), [('/one/skeletons', 0.1), ('/two/skeletons', 0.2)])
@@ -171,7 +171,7 @@ def test_the_model_of_the_package_draws_what_no_recording_holds(
     bare = tmp_path / 'bare.mcap'
     with RecordingWriter(bare) as writer:
         for frame in people[:3]:
-            writer.write_frame(frame._replace(truth=None))
+            writer.write_frame(frame._replace(ground_truth=None))
     words = ['view', str(bare), '-o', str(tmp_path / 'a.png')]
     assert main(words) == 0  # no model comes with the package
     assert [each.estimate for each in drawn] == [None] * 3

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-
-from lsc_pose_ros.core.joints import DEFAULT_JOINTS, names_of, numbers_of
-from lsc_pose_ros.experiments import claims
-from lsc_pose_ros.experiments.experiment import (
+from lsc_pose_experiments import claims
+from lsc_pose_experiments.experiment import (
     MEAN,
     SIZES,
     Axis,
@@ -16,8 +14,10 @@ from lsc_pose_ros.experiments.experiment import (
     rows_of,
     shares_within,
 )
-from lsc_pose_ros.experiments.trial import Outcome, Score, Trial
-from lsc_pose_ros.learning.train import TrainingSettings
+from lsc_pose_experiments.trial import Outcome, Score, Trial
+
+from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, names_of, numbers_of
+from lsc_pose_ros.training.train import TrainingSettings
 
 JOINTS = numbers_of(DEFAULT_JOINTS)
 ENDS = np.array([any(end in n for end in ('elbow', 'wrist', 'hand')) for n in names_of(JOINTS)])

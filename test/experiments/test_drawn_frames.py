@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-
-from lsc_pose_ros.experiments.drawn_frames import draw_frames, merge, restore
+from lsc_pose_experiments.drawn_frames import draw_frames, merge, restore
 
 
 def stamps(drawn, frames):
     """Return which of `frames` were drawn, by the true joints."""
-    known = {frame.truth.positions.tobytes(): frame.stamp for frame in frames}
-    return [known[each.truth.positions.tobytes()] for each in drawn]
+    known = {frame.ground_truth.positions.tobytes(): frame.stamp for frame in frames}
+    return [known[each.ground_truth.positions.tobytes()] for each in drawn]
 
 
 def test_a_smaller_draw_is_the_beginning_of_a_larger_one(people):
@@ -41,13 +40,19 @@ def test_what_is_drawn_comes_back_as_it_was(people, simple_frames):
             np.testing.assert_allclose(found.depth, frame.depth, atol=1e-6)
             np.testing.assert_array_equal(found.labels, frame.labels)
             assert found.camera == frame.camera
-            np.testing.assert_array_equal(found.truth.positions, frame.truth.positions)
+            np.testing.assert_array_equal(
+                found.ground_truth.positions, frame.ground_truth.positions
+            )
 
 
 def test_frames_without_labels_are_passed_over(people):
-    truth = people[1].truth
-    nobody = truth._replace(positions=np.full_like(truth.positions, np.nan))
-    frames = [people[0]._replace(truth=None), people[1]._replace(truth=nobody), people[2]]
+    ground_truth = people[1].ground_truth
+    nobody = ground_truth._replace(positions=np.full_like(ground_truth.positions, np.nan))
+    frames = [
+        people[0]._replace(ground_truth=None),
+        people[1]._replace(ground_truth=nobody),
+        people[2],
+    ]
     draw = draw_frames(frames, 3, (0,))
     assert draw.labelled == 1
     assert stamps(draw.frames, people) == [people[2].stamp]

@@ -1,9 +1,9 @@
 """Which frames are learnt from, and which tested."""
 
 import pytest
+from lsc_pose_experiments.protocol import Draws, Study, fold_key, folds_of
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.experiments.protocol import Draws, Study, fold_key, folds_of
 
 
 @pytest.fixture
@@ -23,11 +23,11 @@ def read(paths, people):
 
 
 def poses(drawn):
-    return {each.truth.positions.tobytes() for each in drawn}
+    return {each.ground_truth.positions.tobytes() for each in drawn}
 
 
 def poses_of(frames):
-    return {frame.truth.positions.tobytes() for frame in frames}
+    return {frame.ground_truth.positions.tobytes() for frame in frames}
 
 
 def test_random_divides_the_frames_of_all(paths, read):

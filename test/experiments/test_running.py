@@ -4,18 +4,18 @@ import json
 
 import numpy as np
 import pytest
+from lsc_pose_experiments import running
+from lsc_pose_experiments.drawn_frames import restore
+from lsc_pose_experiments.protocol import Draws, Study, fold_key, folds_of
+from lsc_pose_experiments.running import Bench, outcome_of, people_sizes, run_trials
+from lsc_pose_experiments.trial import Outcome, Store, Trial, join_outcomes, trial_key
 
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.joints import names_of, numbers_of
-from lsc_pose_ros.core.settings import Settings
-from lsc_pose_ros.experiments import running
-from lsc_pose_ros.experiments.drawn_frames import restore
-from lsc_pose_ros.experiments.protocol import Draws, Study, fold_key, folds_of
-from lsc_pose_ros.experiments.running import Bench, outcome_of, people_sizes, run_trials
-from lsc_pose_ros.experiments.trial import Outcome, Store, Trial, join_outcomes, trial_key
-from lsc_pose_ros.learning.evaluate import evaluate
-from lsc_pose_ros.learning.growth import GrowthSettings
-from lsc_pose_ros.learning.train import TrainingSettings, train
+from lsc_pose_ros.data_types.joints import names_of, numbers_of
+from lsc_pose_ros.evaluation.evaluate import evaluate
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.training.train import TrainingSettings, train
+from lsc_pose_ros.training.tree_growth import GrowthSettings
 
 SMALL = TrainingSettings(
     numbers_of(['head', 'neck', 'l_shoulder', 'l_elbow', 'l_knee']),
@@ -129,12 +129,12 @@ def test_joints_that_nobody_labels_are_left_out(bench, people):
     kept = [number for number in range(20) if number != 5]
 
     def without_elbow(frame):
-        truth = frame.truth
+        ground_truth = frame.ground_truth
         return frame._replace(
-            truth=truth._replace(
-                joints=truth.joints[kept],
-                positions=truth.positions[:, kept],
-                confidence=truth.confidence[:, kept],
+            ground_truth=ground_truth._replace(
+                joints=ground_truth.joints[kept],
+                positions=ground_truth.positions[:, kept],
+                confidence=ground_truth.confidence[:, kept],
             )
         )
 
@@ -146,11 +146,13 @@ def test_joints_that_nobody_labels_are_left_out(bench, people):
 
 def test_sizes_are_those_of_the_limbs(people):
     frame = people[0]
-    truth = frame.truth
-    larger = frame._replace(truth=truth._replace(positions=1.5 * truth.positions))
-    partly = truth.positions.copy()
+    ground_truth = frame.ground_truth
+    larger = frame._replace(
+        ground_truth=ground_truth._replace(positions=1.5 * ground_truth.positions)
+    )
+    partly = ground_truth.positions.copy()
     partly[:, 6:] = np.nan
-    frames = [frame, larger, frame._replace(truth=truth._replace(positions=partly))]
+    frames = [frame, larger, frame._replace(ground_truth=ground_truth._replace(positions=partly))]
     sizes = people_sizes(frames)
     assert sizes[1] / sizes[0] == pytest.approx(1.5, rel=1e-3)
     assert sizes[2] == pytest.approx(sizes[0], rel=0.1)

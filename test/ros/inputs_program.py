@@ -13,11 +13,11 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
-from lsc_pose_ros.ros.inputs import Inputs
-from lsc_pose_ros.ros.messages import Pair, nanoseconds
-from lsc_pose_ros.ros.parameters import DECLARATIONS, Parameters
-from lsc_pose_ros.ros.reports import Reports
-from lsc_pose_ros.ros.watch import Situation, complaints
+from lsc_pose_ros.ros.health.stream_warnings import Situation, complaints
+from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.io.inputs import Inputs
+from lsc_pose_ros.ros.io.messages import Pair, nanoseconds
+from lsc_pose_ros.ros.node.parameters import DECLARATIONS, Parameters
 
 
 def parameters(words: list[str]) -> Parameters:

@@ -25,18 +25,18 @@ from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from visualization_msgs.msg import MarkerArray
 
 import lsc_pose_ros
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.recording import RecordingWriter, open_frames
-from lsc_pose_ros.data.recording.messages import read_skeletons
-from lsc_pose_ros.data.recording.serialise import (
+from lsc_pose_ros.bags import RecordingWriter, open_frames
+from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
+from lsc_pose_ros.bags.serialization.serialize import (
     camera_info_message,
     depth_message,
     mask_message,
 )
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.ros.isolation import isolated_environment
-from lsc_pose_ros.ros.listener import Listener, open_listener
+from lsc_pose_ros.ros.playback.listener import Listener, open_listener
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 
 SKELETONS = '/pose_node/skeletons'
 MARKERS = '/pose_node/joint_markers'
@@ -349,7 +349,7 @@ def acquaintances(
             patch.setenv('ROS_DOMAIN_ID', environment['ROS_DOMAIN_ID'])
             node = stack.enter_context(_probe())
             listener = stack.enter_context(open_listener(ANSWERS))
-        program = Program(['-m', 'lsc_pose_ros.ros.main', *words], log, environment)
+        program = Program(['-m', 'lsc_pose_ros.ros.node.main', *words], log, environment)
         try:
             meeting = Meeting(program, Camera(node), Ear(listener), Remote(node))
             assert meeting.remote.change('configure'), program.output
@@ -380,7 +380,7 @@ def begin_node(start: Callable[..., Program], small_model_file: Path) -> Callabl
     def begin(**parameters: object) -> Program:
         values = {'model': small_model_file, **parameters}
         words = [word for name, value in values.items() for word in ('-p', f'{name}:={value}')]
-        return start('-m', 'lsc_pose_ros.ros.main', '--ros-args', *words)
+        return start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words)
 
     return begin
 

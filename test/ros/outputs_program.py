@@ -20,12 +20,12 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
-from lsc_pose_ros.core.joints import numbers_of
-from lsc_pose_ros.core.skeletons import Skeletons
+from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.ros.diagnostics import Diagnostics
-from lsc_pose_ros.ros.outputs import Outputs
-from lsc_pose_ros.ros.watch import Counters
+from lsc_pose_ros.ros.health.diagnostics import Diagnostics
+from lsc_pose_ros.ros.health.stream_warnings import Counters
+from lsc_pose_ros.ros.io.outputs import Outputs
 
 FRAME_ID = 'camera_optical'
 EDGES = np.array([[1, 0], [1, 2]], np.int32)

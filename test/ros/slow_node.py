@@ -6,10 +6,10 @@ slow_node.py SECONDS --ros-args ...
 import sys
 import time
 
-from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.ros.main import main
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.ros.node.main import main
 
 SECONDS = float(sys.argv.pop(1))
 estimate = Estimator.estimate

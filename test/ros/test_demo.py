@@ -12,21 +12,22 @@ pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 from live_ros import Program
 
 from lsc_pose_ros import demo
-from lsc_pose_ros.core.camera import back_project
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.answering import SKELETONS_TOPIC
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording import RawMessage, RecordingWriter, open_frames
-from lsc_pose_ros.data.recording.raw import POINT_CLOUD
-from lsc_pose_ros.data.recording.serialise import skeletons_message
+from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_frames
+from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags.serialization.serialize import skeletons_message
+from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
+from lsc_pose_ros.data_types.camera import back_project
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.resources.package_files import default_model
 
 
 def answer(frame: Frame, offset: float = 0.0, unknown: int = 0) -> Skeletons:
     """The truth, shifted along x, with the first joints left out."""
-    positions = frame.truth.positions + np.array([offset, 0, 0], np.float32)
+    positions = frame.ground_truth.positions + np.array([offset, 0, 0], np.float32)
     positions[:, :unknown] = np.nan
-    return frame.truth._replace(positions=positions)
+    return frame.ground_truth._replace(positions=positions)
 
 
 def compared(frames: list[Frame], answers: dict[int, Skeletons], tmp_path: Path) -> demo.Outcome:
@@ -112,28 +113,17 @@ def error_of_the_mean_pose(training: Path, test: Path) -> float:
 def poses(recording: Path) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """The middle of what is seen of each body, and its joints."""
     for frame in open_frames(recording):
-        for body, joints in zip(frame.truth.bodies, frame.truth.positions, strict=True):
+        for body, joints in zip(
+            frame.ground_truth.bodies, frame.ground_truth.positions, strict=True
+        ):
             rows, columns = np.nonzero(frame.labels == body)
             points = back_project(columns, rows, frame.depth[rows, columns], frame.camera)
             yield np.median(points, axis=0), joints
 
 
-@pytest.fixture
-def workspace(small_model_file: Path, tmp_path: Path) -> Path:
-    """A workspace to be sourced, in which a small model is the package's."""
-    models = tmp_path / 'install' / 'share' / 'lsc_pose_ros' / 'models'
-    models.mkdir(parents=True)
-    (models / 'default.npz').write_bytes(small_model_file.read_bytes())
-    return tmp_path / 'install'
-
-
-def test_whole_demonstration_in_small(
-    start: Callable[..., Program], workspace: Path, tmp_path: Path
-) -> None:
+def test_whole_demonstration_in_small(start: Callable[..., Program], tmp_path: Path) -> None:
     code = (
-        'import os, sys, lsc_pose_ros.demo as demo\n'
-        'prefixes = os.environ.get("AMENT_PREFIX_PATH", "")\n'
-        f'os.environ["AMENT_PREFIX_PATH"] = {str(workspace)!r} + os.pathsep + prefixes\n'
+        'import sys, lsc_pose_ros.demo as demo\n'
         'demo.TRAINING_FRAMES, demo.TEST_FRAMES = 300, 20\n'
         f'sys.exit(demo.main(["--directory", {str(tmp_path / "demo")!r}]))'
     )
@@ -151,15 +141,11 @@ def test_whole_demonstration_in_small(
     baseline = error_of_the_mean_pose(folder / 'training.mcap', folder / 'test.mcap')
     assert float(rows[1][0]) < 70 * baseline, baseline
     own = load_model(folder / 'model.npz')
-    assert own.joints.tolist() == load_model(default_in(workspace)).joints.tolist()
+    assert own.joints.tolist() == load_model(default_model()).joints.tolist()
     assert (folder / 'live.png').stat().st_size > 10_000
     log = (folder / 'node.log').read_text()
     assert 'Traceback' not in log
     assert 'ERROR' not in log
-
-
-def default_in(workspace: Path) -> Path:
-    return workspace / 'share' / 'lsc_pose_ros' / 'models' / 'default.npz'
 
 
 def test_without_a_model_of_the_package_it_ends_with_a_reason(

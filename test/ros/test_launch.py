@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 import yaml
 
-from lsc_pose_ros.resources import resource
+from lsc_pose_ros.resources.package_files import resource
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / 'launch' / 'pose.launch.py'
@@ -143,7 +143,7 @@ def test_topics_are_remapped_from_what_the_node_listens_to(launch_file: ModuleTy
         'depth/camera_info': '/k/info',
         'mask': '/who',
     }
-    source = (SOURCES / 'inputs.py').read_text(encoding='utf-8')
+    source = (SOURCES / 'io' / 'inputs.py').read_text(encoding='utf-8')
     assert all(f"'{topic}'" in source for topic in TAKEN)
 
 
@@ -254,7 +254,7 @@ def test_the_views_show_all_that_the_node_takes_and_gives(name: str) -> None:
     text = (CONFIG / name).read_text(encoding='utf-8')
     tree = json.loads(text) if name.endswith('json') else yaml.safe_load(text)
     named = {value for value in values_in(tree) if isinstance(value, str)}
-    outputs = (SOURCES / 'outputs.py').read_text(encoding='utf-8')
+    outputs = (SOURCES / 'io' / 'outputs.py').read_text(encoding='utf-8')
     given = set(re.findall(r"'~/(\w+)'", outputs))
     assert given == {'skeletons', 'joint_markers'}
     assert {f'/pose_node/{topic}' for topic in given} | {'/depth/image', '/mask'} <= named
@@ -276,7 +276,7 @@ def test_the_foxglove_layout_places_every_panel_once() -> None:
     assert {panel.partition('!')[0] for panel in placed} == {
         '3D', 'Image', 'DiagnosticSummary', 'DiagnosticStatusPanel',
     }  # fmt: skip
-    diagnostics = (SOURCES / 'diagnostics.py').read_text(encoding='utf-8')
+    diagnostics = (SOURCES / 'health' / 'diagnostics.py').read_text(encoding='utf-8')
     status = tree['configById']['DiagnosticStatusPanel!pose_node']
     assert f"'{status['topicToRender']}'" in diagnostics
     assert status['selectedName'].removeprefix('pose_node: ') in diagnostics

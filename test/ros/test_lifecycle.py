@@ -13,8 +13,8 @@ from live_ros import Camera, Ear, Program, Remote, generate, wait_until
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.model_io.model_file import load_model
 
 # Seconds from the signal until the process has ended.
 MOST_UNTIL_ENDED = 2.0
@@ -30,8 +30,8 @@ WAY_TO = {
 BROKEN_ONCE = """
 import sys
 
-from lsc_pose_ros.ros import node
-from lsc_pose_ros.ros.main import main
+from lsc_pose_ros.ros.node import node
+from lsc_pose_ros.ros.node.main import main
 
 def break_down(*arguments):
     node.prepare = prepare
@@ -49,7 +49,7 @@ import weakref
 
 import rclpy
 
-from lsc_pose_ros.ros.node import PoseNode
+from lsc_pose_ros.ros.node.node import PoseNode
 
 rclpy.init(args=sys.argv)
 node = PoseNode()
@@ -68,7 +68,7 @@ LOADING = """
 import sys
 import time
 
-from lsc_pose_ros.ros import main
+from lsc_pose_ros.ros.node import main
 
 def load_slowly(module):
     print('loading', flush=True)
@@ -271,7 +271,7 @@ def test_signal_ends_the_node_in_each_state(
     words = ('-p', f'model:={small_model_file}', '-p', 'autostart:=false')
     nodes = {
         state: start(
-            *('-m', 'lsc_pose_ros.ros.main', '--ros-args', *words, '-r', f'__ns:=/{state}')
+            *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words, '-r', f'__ns:=/{state}')
         )
         for state in WAY_TO
     }
@@ -298,7 +298,7 @@ def test_signal_ends_the_node_while_it_compiles(
 ) -> None:
     words = ('-p', f'model:={small_model_file}', '-p', f'autostart:={autostart}')
     node = start(
-        *('-m', 'lsc_pose_ros.ros.main', '--ros-args', *words), NUMBA_CACHE_DIR=str(tmp_path)
+        *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words), NUMBA_CACHE_DIR=str(tmp_path)
     )
     if autostart == 'false':
         remote.ask_to_change('configure')

@@ -11,11 +11,11 @@ pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
 from live_ros import Camera, Ear, Program
 
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.kernel_cache import cache_directory, describe_cache
-from lsc_pose_ros.core.warm_up import warm_up
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.estimation.warm_up import warm_up
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.numerics.kernel_cache import cache_directory, describe_cache
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 
 # Seconds; the second and the third include what a busy computer takes to load Python and ROS and
 # to let the programs find each other.
@@ -28,8 +28,8 @@ SLOW_START = """
 import sys
 import time
 
-from lsc_pose_ros.ros import preparation
-from lsc_pose_ros.ros.main import main
+from lsc_pose_ros.ros.node import preparation
+from lsc_pose_ros.ros.node.main import main
 
 def compile_slowly(estimator):
     print('compiling', flush=True)
@@ -51,7 +51,7 @@ def test_first_frame_is_answered_within_two_seconds(
     frame = next(synthetic_frames(SyntheticSettings(frames=1, seed=9)))
     model = f'model:={small_model_file}'
     begin = time.monotonic()
-    node = start('-m', 'lsc_pose_ros.ros.main', '--ros-args', '-p', model)
+    node = start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', model)
     assert node.says('ready: listening'), node.output
     ready = time.monotonic()
     ear.wait_for_node()

@@ -17,8 +17,8 @@ from rclpy.serialization import deserialize_message
 from rosbags.typesys import Stores, get_typestore
 from visualization_msgs.msg import Marker, MarkerArray
 
-from lsc_pose_ros.data.recording.messages import read_skeletons
-from lsc_pose_ros.ros.listener import Listener, open_listener
+from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
+from lsc_pose_ros.ros.playback.listener import Listener, open_listener
 
 PROGRAM = Path(__file__).parent / 'outputs_program.py'
 SKELETONS = '/program/skeletons'

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lsc_pose_ros.ros.pacing import Pacer
+from lsc_pose_ros.ros.playback.pacing import Pacer
 
 START = 1_700_000_000_000_000_000
 SECOND = 1_000_000_000

@@ -17,15 +17,15 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 from visualization_msgs.msg import Marker
 
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.core.model import Model
-from lsc_pose_ros.core.sequence import Sequence, SequenceSettings
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.model_file import load_model
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.resources import resource
-from lsc_pose_ros.ros.parameters import ALWAYS, DECLARATIONS, Parameters, declare_parameters
+from lsc_pose_ros.estimation.temporal import Sequence, SequenceSettings
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.resources.package_files import resource
+from lsc_pose_ros.ros.node.parameters import ALWAYS, DECLARATIONS, Parameters, declare_parameters
 
 
 @pytest.fixture
@@ -370,7 +370,7 @@ def test_parameters_of_an_unconfigured_node_take_effect_when_it_is_configured(
 def test_node_ends_with_2_and_one_line(
     start: Callable[..., Program], words: list[str], complaint: str
 ) -> None:
-    node = start('-m', 'lsc_pose_ros.ros.main', '--ros-args', *words)
+    node = start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words)
     assert node.ends() == 2
     ours = [line for line in node.output.splitlines() if line.startswith('pose_node: error:')]
     assert len(ours) == 1
@@ -383,7 +383,7 @@ def test_node_that_gets_another_file_as_model(
 ) -> None:
     path = tmp_path / 'not_a_model.npz'
     path.write_bytes(b'something else')
-    node = start('-m', 'lsc_pose_ros.ros.main', '--ros-args', '-p', f'model:={path}')
+    node = start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={path}')
     assert node.ends() == 2
     assert str(path) in node.output
     assert 'Traceback' not in node.output
@@ -402,7 +402,7 @@ def test_transforms_without_their_package(begin_node: Callable[..., Program]) ->
 def test_without_ros_the_node_says_how_to_get_it(start: Callable[..., Program]) -> None:
     code = (
         'import sys; sys.modules["rclpy"] = None\n'
-        'from lsc_pose_ros.ros.main import main; sys.exit(main([]))'
+        'from lsc_pose_ros.ros.node.main import main; sys.exit(main([]))'
     )
     node = start('-c', code)
     assert node.ends() == 2

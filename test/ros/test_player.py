@@ -14,10 +14,10 @@ from live_ros import Program
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
-from lsc_pose_ros.core.frame import Frame
-from lsc_pose_ros.data.recording import RawMessage, RecordingWriter, read_messages
-from lsc_pose_ros.ros.listener import open_listener
-from lsc_pose_ros.ros.player import _qos
+from lsc_pose_ros.bags import RawMessage, RecordingWriter, read_messages
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.ros.playback.listener import open_listener
+from lsc_pose_ros.ros.playback.player import _qos
 
 IMAGE = 'sensor_msgs/msg/Image'
 CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'

@@ -17,14 +17,14 @@ from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CompressedImage, Image, PointField
 from visualization_msgs.msg import Marker
 
-from lsc_pose_ros.core.estimator import Estimator
-from lsc_pose_ros.core.frame import NO_BODY, Frame
-from lsc_pose_ros.core.model import Model
-from lsc_pose_ros.core.segmentation import SegmentationSettings, make_segmenter, segment
-from lsc_pose_ros.core.skeletons import Skeletons
-from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
-from lsc_pose_ros.data.model_file import load_model
-from lsc_pose_ros.data.recording.serialise import camera_info_message, mask_message
+from lsc_pose_ros.bags.serialization.serialize import camera_info_message, mask_message
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.segmentation.segmenter import SegmentationSettings, make_segmenter, segment
 
 SLOW_NODE = Path(__file__).parent / 'slow_node.py'
 DEFAULT_CAMERA = Path(__file__).parent / 'default_camera.py'
@@ -349,7 +349,7 @@ def test_topics_are_relative_and_can_be_remapped(
     start: Callable[..., Program], small_model_file: Path, probe: Node
 ) -> None:
     node = start(
-        *('-m', 'lsc_pose_ros.ros.main', '--ros-args', '-p', f'model:={small_model_file}'),
+        *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={small_model_file}'),
         *('-r', '__ns:=/robot', '-r', 'depth/image:=/kinect/depth_rect'),
     )
     assert node.says('listening to /kinect/depth_rect, /robot/depth/camera_info, /robot/mask')

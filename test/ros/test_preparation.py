@@ -8,7 +8,7 @@ import pytest
 from lsc_pose_ros.errors import InputError
 
 preparation = pytest.importorskip(
-    'lsc_pose_ros.ros.preparation', reason='needs ROS 2', exc_type=ImportError
+    'lsc_pose_ros.ros.node.preparation', reason='needs ROS 2', exc_type=ImportError
 )
 
 

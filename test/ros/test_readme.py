@@ -8,8 +8,8 @@ import yaml
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from lsc_pose_ros.core.joints import JOINT_NUMBERS
-from lsc_pose_ros.ros.parameters import (
+from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
+from lsc_pose_ros.ros.node.parameters import (
     ALWAYS,
     DECLARATIONS,
     NEVER,

@@ -9,13 +9,13 @@ pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-from lsc_pose_ros.core.camera import Intrinsics
-from lsc_pose_ros.core.frame import NO_BODY
-from lsc_pose_ros.data.compressed_depth import encode_compressed_depth
-from lsc_pose_ros.data.png import write_png
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.ros.messages import Pair, _plain, frame_of
-from lsc_pose_ros.ros.watch import TopicNames
+from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.messages.png import write_png
+from lsc_pose_ros.ros.health.stream_warnings import TopicNames
+from lsc_pose_ros.ros.io.messages import Pair, _plain, frame_of
 
 TOPICS = TopicNames('/cam/depth', '/cam/info', '/seg/mask')
 HEIGHT, WIDTH = 12, 16
@@ -59,7 +59,7 @@ def test_frame_has_the_depth_images_header_and_the_camera() -> None:
     assert frame.stamp == STAMP
     assert frame.frame_id == 'optical'
     assert frame.camera == Intrinsics(20.0, 20.0, 8.0, 6.0)
-    assert frame.truth is None
+    assert frame.ground_truth is None
 
 
 @pytest.mark.parametrize('padding', [0, 6])

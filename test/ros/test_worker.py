@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from lsc_pose_ros.ros.worker import Worker
+from lsc_pose_ros.ros.node.worker import Worker
 
 
 class Slow:

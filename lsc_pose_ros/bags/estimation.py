@@ -1,0 +1,99 @@
+"""A recording with the joints estimated in every frame: what a live node would have answered."""
+
+import struct
+from collections.abc import Iterator
+
+from lsc_pose_ros.bags import FrameReader, RawMessage, RecordingWriter, read_messages
+from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
+from lsc_pose_ros.bags.storage.raw_messages import MARKER_ARRAY, POINT_CLOUD
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.messages.markers import Drawing, MarkerStyle
+from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
+
+SKELETONS_TOPIC = '/pose_node/skeletons'
+MARKERS_TOPIC = '/pose_node/joint_markers'
+
+_LITTLE_ENDIAN = 1
+
+_USUAL_STYLE = MarkerStyle()
+
+
+def answer_frames(
+    frames: FrameReader,
+    sequence: Sequence,
+    writer: RecordingWriter,
+    segmenter: Segmenter | None = None,
+    style: MarkerStyle = _USUAL_STYLE,
+) -> Iterator[Skeletons]:
+    """Write what the frames are made of, as it was recorded, and the joints of every frame.
+
+    Each answer has its depth image's header, and its time of recording.
+
+    Args:
+        frames: the frames.
+        sequence: what answers them, one after the other.
+        writer: what writes.
+        segmenter: what finds the bodies, None where the frames' masks show them.
+        style: how the joints are drawn.
+
+    Yields:
+        each answer, when it is written.
+    """
+    original = _Original(frames, writer)
+    drawing = Drawing(sequence.estimator.model.edges)
+    for frame in frames:
+        log_time = original.copy_up_to(frame.stamp)
+        labels = frame.labels
+        if segmenter is not None:
+            labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
+        skeletons = sequence.answer(frame.stamp, frame.depth, labels, frame.camera)
+        shapes = drawing.shapes(skeletons, style)
+        head = (frame.stamp, frame.frame_id)
+        writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))
+        writer.write(MARKERS_TOPIC, MARKER_ARRAY, log_time, markers_message(*head, shapes))
+        yield skeletons
+    original.copy_rest()
+
+
+class _Original:
+    """The recorded messages, copied in step with the frames, so that few are held in memory."""
+
+    def __init__(self, frames: FrameReader, writer: RecordingWriter) -> None:
+        self._writer = writer
+        self._depth_topic = frames.topics.depth
+        self._wanted = frozenset(filter(None, frames.topics))
+        self._messages = iter(read_messages(frames.path))
+        self._log_times: dict[int, int] = {}
+
+    def copy_up_to(self, stamp: int) -> int:
+        """Copy messages up to the depth image with `stamp`; return when it was recorded."""
+        while stamp not in self._log_times:
+            message = next(self._messages, None)
+            if message is None:
+                return stamp
+            self._copy(message)
+        log_time = self._log_times.pop(stamp)
+        # Frames come in order: what is older has no mask and is never asked for.
+        for older in [each for each in self._log_times if each < stamp]:
+            del self._log_times[older]
+        return log_time
+
+    def copy_rest(self) -> None:
+        """Copy what comes after the last frame."""
+        for message in self._messages:
+            self._copy(message)
+
+    def _copy(self, message: RawMessage) -> None:
+        if message.topic not in self._wanted:
+            return
+        self._writer.write(message.topic, message.type_name, message.log_time, message.data)
+        if message.topic == self._depth_topic:
+            self._log_times[_stamp(message.data)] = message.log_time
+
+
+def _stamp(data: bytes) -> int:
+    """Return the stamp of a serialised message that begins with a header, nanoseconds."""
+    order = '<' if data[1] & _LITTLE_ENDIAN else '>'
+    seconds, nanoseconds = struct.unpack_from(f'{order}iI', data, 4)
+    return int(seconds) * 1_000_000_000 + int(nanoseconds)

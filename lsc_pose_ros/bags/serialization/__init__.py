@@ -1,0 +1,1 @@
+"""Serialised messages (CDR) to plain values and back."""

@@ -1,0 +1,1 @@
+"""The files of a recording: MCAP, SQLite, and metadata.yaml."""

@@ -1,0 +1,179 @@
+"""Which files a recording consists of, and what the folder's metadata.yaml says of them."""
+
+import io
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, NamedTuple, cast
+
+import yaml
+import zstandard
+
+from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
+from lsc_pose_ros.bags.storage.raw_messages import TopicSummary
+from lsc_pose_ros.errors import InputError
+
+MCAP_MAGIC = b'\x89MCAP0\r\n'
+SQLITE_MAGIC = b'SQLite format 3\0'
+ZSTD_MAGIC = b'\x28\xb5\x2f\xfd'
+_ROS1_MAGIC = b'#ROSBAG V'
+_LONGEST_MAGIC = 16
+
+METADATA_NAME = 'metadata.yaml'
+_PART_NAME = re.compile(r'\.(mcap|db3)(\.zstd)?$')
+
+
+class Part(NamedTuple):
+    """One file of a recording.
+
+    Attributes:
+        path: the file.
+        storage: what is in it, 'mcap' or 'sqlite3'.
+        compressed: whether the whole file is zstd-compressed.
+    """
+
+    path: Path
+    storage: str
+    compressed: bool
+
+
+class Layout(NamedTuple):
+    """A recording on disk.
+
+    Attributes:
+        path: the file or the bag folder.
+        parts: its files, in the order of their recording.
+        topics: what metadata.yaml says of them, None without one.
+        warnings: what is wrong with the folder, a sentence each.
+    """
+
+    path: Path
+    parts: list[Part]
+    topics: dict[str, TopicSummary] | None
+    warnings: list[str]
+
+
+def find_parts(path: Path) -> Layout:
+    """Return the files of the recording `path`, a file or a bag folder.
+
+    Raises:
+        InputError: there is no recording.
+    """
+    if not path.exists():
+        msg = f'{path}: no such file or folder'
+        raise InputError(msg)
+    if not path.is_dir():
+        return Layout(path, [identify(path)], None, [])
+    warnings: list[str] = []
+    metadata = _read_metadata(path / METADATA_NAME, warnings)
+    parts = _identify_all(_part_paths(path, metadata), warnings)
+    if not parts:
+        msg = f'{path}: no recording in this folder (.mcap or .db3, with or without .zstd)'
+        raise InputError('; '.join([msg, *warnings]))
+    return Layout(path, parts, _topics(metadata, warnings), warnings)
+
+
+def identify(path: Path) -> Part:
+    """Return what kind of recording file `path` is, by its first bytes.
+
+    Raises:
+        InputError: it cannot be read or is no recording.
+    """
+    try:
+        with path.open('rb') as stream:
+            magic = stream.read(_LONGEST_MAGIC)
+        compressed = magic.startswith(ZSTD_MAGIC)
+        if compressed:
+            with open_part(path, compressed=True) as stream:
+                magic = stream.read(_LONGEST_MAGIC)
+    except DAMAGE as error:
+        msg = f'{path}: cannot be read ({reason(error)})'
+        raise InputError(msg) from error
+    if magic.startswith(MCAP_MAGIC):
+        return Part(path, 'mcap', compressed)
+    if magic.startswith(SQLITE_MAGIC):
+        return Part(path, 'sqlite3', compressed)
+    if magic.startswith(_ROS1_MAGIC):
+        msg = f'{path}: a bag of ROS 1; convert it first, for example with rosbags-convert'
+        raise InputError(msg)
+    what = 'is not a recording: neither MCAP nor SQLite' if magic else 'is empty'
+    msg = f'{path}: the file {what}'
+    raise InputError(msg)
+
+
+@contextmanager
+def open_part(path: Path, *, compressed: bool) -> Iterator[IO[bytes]]:
+    """Open a file of a recording for reading, decompressing it as it is read."""
+    with path.open('rb') as stream:
+        if not compressed:
+            yield stream
+            return
+        with zstandard.ZstdDecompressor().stream_reader(
+            stream, read_across_frames=True
+        ) as decompressed:
+            yield io.BufferedReader(cast('io.RawIOBase', decompressed), 1 << 20)
+
+
+def _read_metadata(path: Path, warnings: list[str]) -> dict[str, object]:
+    """Return the contents of metadata.yaml, empty where there is none that can be used."""
+    if not path.exists():
+        return {}
+    try:
+        contents = yaml.safe_load(path.read_text('utf-8'))
+        information = contents['rosbag2_bagfile_information']
+        names = [str(name) for name in information['relative_file_paths']]
+    except (*DAMAGE, RecursionError) as error:
+        warnings.append(f'{path} is damaged ({reason(error)}); the folder was read without it')
+        return {}
+    return {**information, 'relative_file_paths': names}
+
+
+def _part_paths(folder: Path, metadata: dict[str, object]) -> list[Path]:
+    """Return the recording's files in order: as the metadata list them, else by their number."""
+    names = cast('list[str]', metadata.get('relative_file_paths', []))
+    if names:
+        # Old recordings give the folder's own name too, and those of a recorder that was killed
+        # while it compressed lack the .zstd.
+        listed = [folder / Path(name).name for name in names]
+        return [_with_compression(path) for path in listed]
+    found = [path for path in folder.iterdir() if _PART_NAME.search(path.name)]
+    return sorted(found, key=lambda path: [*map(int, re.findall(r'\d+', path.name)), 0])
+
+
+def _with_compression(path: Path) -> Path:
+    compressed = path.with_name(f'{path.name}.zstd')
+    return compressed if not path.exists() and compressed.exists() else path
+
+
+def _identify_all(paths: list[Path], warnings: list[str]) -> list[Part]:
+    """Return the files that can be read; a lost one among several is worth only a warning."""
+    parts = []
+    for path in paths:
+        try:
+            parts.append(identify(path))
+        except InputError as error:  # noqa: PERF203
+            warnings.append(f'{error}; it was left out')
+    return parts
+
+
+def _topics(metadata: dict[str, object], warnings: list[str]) -> dict[str, TopicSummary] | None:
+    if not metadata:
+        return None
+    try:
+        entries = cast('list[dict[str, object]]', metadata['topics_with_message_count'])
+        return dict(_topic(entry) for entry in entries) or None
+    except DAMAGE as error:
+        warnings.append(f'{METADATA_NAME} does not list the topics ({reason(error)})')
+        return None
+
+
+def _topic(entry: dict[str, object]) -> tuple[str, TopicSummary]:
+    topic = cast('dict[str, object]', entry['topic_metadata'])
+    qos = topic.get('offered_qos_profiles') or ''
+    if not isinstance(qos, str):  # a list since version 9, text in a text before
+        qos = yaml.safe_dump(qos, sort_keys=False)
+    count = entry['message_count']
+    return str(topic['name']), TopicSummary(
+        str(topic['type']), count if isinstance(count, int) else None, qos
+    )

@@ -1,0 +1,198 @@
+"""One MCAP file, read as a stream: a damaged one gives all that comes before the damage."""
+
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import IO
+
+from mcap.exceptions import McapError
+from mcap.reader import make_reader
+from mcap.records import Channel, Chunk, DataEnd, McapRecord, Message, Schema
+from mcap.stream_reader import StreamReader, breakup_chunk
+from mcap.summary import Summary
+
+from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
+from lsc_pose_ros.bags.storage.layout import Part, open_part
+from lsc_pose_ros.bags.storage.raw_messages import RawMessage, Tally, TopicSummary
+
+# Of a compressed file we do not know how long it will be; no sane record is longer than this.
+_LONGEST_RECORD = 1 << 31
+_COMPRESSIONS = ('', 'lz4', 'zstd')
+_UNKNOWN = 'the unknown compression {}'
+_SERIALISATION = 'cdr'
+
+
+class McapPart:
+    """One MCAP file."""
+
+    def __init__(self, part: Part) -> None:
+        """Name the file; it is opened when it is read."""
+        self._part = part
+
+    def topics(self) -> dict[str, TopicSummary]:
+        """Return the file's topics: from its summary, or, where it has none, by reading it."""
+        summary = self._summary()
+        if summary is None or not summary.channels:
+            return self._scan()
+        counts = summary.statistics.channel_message_counts if summary.statistics else None
+        topics: dict[str, TopicSummary] = {}
+        for number, channel in summary.channels.items():
+            count = None if counts is None else counts.get(number, 0)
+            _add_topic(topics, channel, _type_name(channel, summary.schemas), count)
+        return topics
+
+    def messages(self, warnings: list[str]) -> Iterator[RawMessage]:
+        """Yield the file's messages in its own order, up to the damage where there is any.
+
+        Args:
+            warnings: gets a sentence for each thing that is wrong.
+        """
+        with open_part(self._part.path, compressed=self._part.compressed) as stream:
+            yield from self._pass(stream, warnings).messages()
+
+    def _pass(self, stream: IO[bytes], warnings: list[str]) -> '_Pass':
+        limit = _LONGEST_RECORD if self._part.compressed else os.fstat(stream.fileno()).st_size
+        reading = _Pass(self._part.path.name, stream, limit, warnings)
+        summary = self._summary()
+        if summary is not None:
+            reading.schemas.update(summary.schemas)
+            reading.channels.update(summary.channels)
+        return reading
+
+    def _summary(self) -> Summary | None:
+        if self._part.compressed:
+            return None
+        try:
+            with self._part.path.open('rb') as stream:
+                return make_reader(stream).get_summary()
+        except DAMAGE:
+            return None
+
+    def _scan(self) -> dict[str, TopicSummary]:
+        topics: dict[str, TopicSummary] = {}
+        tally = Tally()
+        with open_part(self._part.path, compressed=self._part.compressed) as stream:
+            reading = self._pass(stream, [])
+            for message in reading.messages():
+                tally.add(message)
+        for channel in reading.channels.values():
+            _add_topic(topics, channel, _type_name(channel, reading.schemas), None)
+        return {
+            topic: replace(summary, count=tally.counts.get(topic, 0))
+            for topic, summary in topics.items()
+        }
+
+
+class _Pass:
+    """One reading of a file, from its start."""
+
+    def __init__(self, name: str, stream: IO[bytes], limit: int, warnings: list[str]) -> None:
+        self._name = name
+        self._stream = stream
+        self._limit = limit
+        self._warnings = warnings
+        self._tally = Tally()
+        self._damaged_chunks: list[str] = []
+        self._lost = 0
+        self._complete = False
+        self._foreign: dict[str, str] = {}
+        self.schemas: dict[int, Schema] = {}
+        self.channels: dict[int, Channel] = {}
+
+    def messages(self) -> Iterator[RawMessage]:
+        for record in self._records():
+            message = self._message(record)
+            if message is not None:
+                self._tally.add(message)
+                yield message
+        self._warn()
+
+    def _records(self) -> Iterator[McapRecord]:
+        """Yield the file's records, those inside the chunks too, up to the end or the damage."""
+        records = StreamReader(
+            self._stream, emit_chunks=True, validate_crcs=True, record_size_limit=self._limit
+        ).records
+        while True:
+            try:
+                record = next(records, None)
+            except DAMAGE as error:
+                self._warn_of_end(error)
+                return
+            if record is None:
+                return
+            if isinstance(record, Chunk):
+                yield from self._break_up(record)
+            else:
+                yield record
+
+    def _break_up(self, chunk: Chunk) -> list[McapRecord]:
+        try:
+            if chunk.compression not in _COMPRESSIONS:
+                raise McapError(_UNKNOWN.format(chunk.compression))
+            return breakup_chunk(chunk, validate_crc=True)
+        except DAMAGE as error:
+            # The next chunk's place is known all the same: only this one is lost.
+            self._damaged_chunks.append(reason(error))
+            return []
+
+    def _message(self, record: McapRecord) -> RawMessage | None:
+        """Return the message that `record` is, or keep what it says of the channels."""
+        if isinstance(record, Schema):
+            self.schemas[record.id] = record
+        elif isinstance(record, Channel):
+            self.channels[record.id] = record
+        elif isinstance(record, DataEnd):
+            self._complete = True
+        elif isinstance(record, Message):
+            channel = self.channels.get(record.channel_id)
+            if channel is None:
+                self._lost += 1
+            elif channel.message_encoding != _SERIALISATION:
+                self._foreign[channel.topic] = channel.message_encoding
+            else:
+                return RawMessage(
+                    channel.topic, _type_name(channel, self.schemas), record.log_time, record.data
+                )
+        return None
+
+    def _warn_of_end(self, error: BaseException) -> None:
+        if self._complete:
+            text = f'the index at its end is damaged ({reason(error)}); all messages were read'
+        else:
+            text = f'damaged ({reason(error)}); read up to there: {self._tally}'
+        self._warnings.append(f'{self._name}: {text}')
+
+    def _warn(self) -> None:
+        if self._damaged_chunks:
+            self._warnings.append(
+                f'{self._name}: {len(self._damaged_chunks)} damaged chunks were left out '
+                f'({self._damaged_chunks[0]})'
+            )
+        if self._lost:
+            self._warnings.append(
+                f'{self._name}: {self._lost} messages were left out because their topics stood '
+                'in a damaged place'
+            )
+        for topic, encoding in self._foreign.items():
+            self._warnings.append(
+                f'{self._name}: the topic {topic} was left out: it is serialised as {encoding}, '
+                f'not as {_SERIALISATION}'
+            )
+
+
+def _type_name(channel: Channel, schemas: dict[int, Schema]) -> str:
+    schema = schemas.get(channel.schema_id)
+    return schema.name if schema is not None else ''
+
+
+def _add_topic(
+    topics: dict[str, TopicSummary], channel: Channel, type_name: str, count: int | None
+) -> None:
+    """Add a channel to its topic; a topic has several where several publishers were recorded."""
+    if channel.message_encoding != _SERIALISATION:
+        return
+    known = topics.get(channel.topic)
+    if known is not None and known.count is not None and count is not None:
+        count += known.count
+    qos = channel.metadata.get('offered_qos_profiles', '')
+    topics[channel.topic] = TopicSummary(type_name, count, qos)

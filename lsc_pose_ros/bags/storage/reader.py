@@ -1,0 +1,122 @@
+"""All messages of a recording, whatever its container, in memory that does not grow."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import zstandard
+
+from lsc_pose_ros.bags.storage.damage import DAMAGE
+from lsc_pose_ros.bags.storage.layout import METADATA_NAME, ZSTD_MAGIC, Part, find_parts
+from lsc_pose_ros.bags.storage.mcap_file import McapPart
+from lsc_pose_ros.bags.storage.raw_messages import RawMessage, Tally, TopicSummary
+from lsc_pose_ros.bags.storage.sqlite_file import SqlitePart
+
+
+class RawReader:
+    """A recording as its serialised messages; each iteration starts anew.
+
+    Attributes:
+        path: the file or the bag folder.
+        warnings: a sentence for each thing that is wrong with the recording; the list grows
+            while it is read and starts anew with each iteration.
+        tally: what the running or last iteration has read.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        """Find the recording's files.
+
+        Args:
+            path: an .mcap or .db3 file, or a bag folder.
+
+        Raises:
+            InputError: there is no recording.
+        """
+        self._layout = find_parts(Path(path))
+        self._topics: dict[str, TopicSummary] | None = None
+        self.path = self._layout.path
+        self.warnings = list(self._layout.warnings)
+        self.tally = Tally()
+
+    @property
+    def topics(self) -> dict[str, TopicSummary]:
+        """The topics by name, as metadata.yaml or else the files themselves list them.
+
+        Raises:
+            InputError: a file's list of topics cannot be read.
+        """
+        if self._topics is None:
+            self._topics = self._layout.topics or self._gather_topics()
+        return self._topics
+
+    @property
+    def size(self) -> int:
+        """The bytes that the recording's files take on disk."""
+        return sum(part.path.stat().st_size for part in self._layout.parts)
+
+    @property
+    def files(self) -> list[Path]:
+        """The recording's files, metadata.yaml among them where there is one."""
+        metadata = self.path / METADATA_NAME
+        files = [part.path for part in self._layout.parts]
+        return [*files, metadata] if metadata.exists() else files
+
+    def __iter__(self) -> Iterator[RawMessage]:
+        """Yield the messages in the order of the file."""
+        self.warnings[:] = self._layout.warnings
+        self.tally = Tally()
+        damaged = 0
+        for part in self._layout.parts:
+            for message in _open(part).messages(self.warnings):
+                whole = _decompressed(message)
+                if whole is None:
+                    damaged += 1
+                else:
+                    self.tally.add(whole)
+                    yield whole
+        if damaged:
+            self.warnings.append(f'{damaged} messages could not be decompressed; left out')
+
+    def _gather_topics(self) -> dict[str, TopicSummary]:
+        topics: dict[str, TopicSummary] = {}
+        for part in self._layout.parts:
+            for name, topic in _open(part).topics().items():
+                known = topics.get(name)
+                if known is not None:
+                    counts = (known.count, topic.count)
+                    total = None if None in counts else sum(filter(None, counts))
+                    topic = replace(topic, count=total)  # noqa: PLW2901
+                topics[name] = topic
+        return topics
+
+
+def read_messages(path: Path | str) -> RawReader:
+    """Open a recording for reading its serialised messages.
+
+    Args:
+        path: an .mcap or .db3 file (compressed as .zstd or not), or a bag folder with or without
+            metadata.yaml.
+
+    Raises:
+        InputError: there is no recording.
+    """
+    return RawReader(path)
+
+
+def _open(part: Part) -> McapPart | SqlitePart:
+    return McapPart(part) if part.storage == 'mcap' else SqlitePart(part)
+
+
+def _decompressed(message: RawMessage) -> RawMessage | None:
+    """Undo rosbag2's compression of single messages; None where the data are damaged.
+
+    A serialised message starts with 0 (the high byte of CDR's representation), a compressed one
+    with zstd's mark: the data tell better than the metadata, which a lone file may lack.
+    """
+    if not message.data.startswith(ZSTD_MAGIC):
+        return message
+    try:
+        decompressor = zstandard.ZstdDecompressor().decompressobj()
+        return message._replace(data=decompressor.decompress(message.data))
+    except DAMAGE:
+        return None

@@ -1,0 +1,133 @@
+"""One SQLite file of rosbag2 (.db3), of any of its schema versions."""
+
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing, contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
+from lsc_pose_ros.bags.storage.layout import Part, open_part
+from lsc_pose_ros.bags.storage.raw_messages import RawMessage, Tally, TopicSummary
+from lsc_pose_ros.errors import InputError
+
+_SERIALISATION = 'cdr'
+
+
+class SqlitePart:
+    """One SQLite file."""
+
+    def __init__(self, part: Part) -> None:
+        """Name the file; it is opened when it is read."""
+        self._part = part
+
+    def topics(self) -> dict[str, TopicSummary]:
+        """Return the file's topics.
+
+        Raises:
+            InputError: its tables cannot be read.
+        """
+        try:
+            with self._database() as database:
+                rows = _topic_rows(database)
+                counts = _counts(database)
+        except DAMAGE as error:
+            msg = f'{self._part.path}: its list of topics cannot be read ({reason(error)})'
+            raise InputError(msg) from error
+        return {
+            name: TopicSummary(type_name, None if counts is None else counts.get(number, 0), qos)
+            for number, (name, type_name, qos) in rows.items()
+        }
+
+    def messages(self, warnings: list[str]) -> Iterator[RawMessage]:
+        """Yield the file's messages in its own order, up to the damage where there is any.
+
+        Args:
+            warnings: gets a sentence for each thing that is wrong.
+        """
+        tally = Tally()
+        unusable = 0
+        for message in self._rows(warnings, tally):
+            if message is None:
+                unusable += 1
+            else:
+                tally.add(message)
+                yield message
+        if unusable:
+            name = self._part.path.name
+            warnings.append(f'{name}: {unusable} damaged messages were left out')
+
+    def _rows(self, warnings: list[str], tally: Tally) -> Iterator[RawMessage | None]:
+        """Yield the table's rows, None for one that is damaged."""
+        try:
+            with self._database() as database:
+                topics = _topic_rows(database)
+                # In the order of recording: that of time would need an index that a recorder
+                # which was killed has not made, or memory for all messages.
+                for row in database.execute(
+                    'SELECT topic_id, timestamp, data FROM messages ORDER BY id'
+                ):
+                    yield _message(row, topics)
+        except DAMAGE as error:
+            warnings.append(
+                f'{self._part.path.name}: damaged ({reason(error)}); read up to there: {tally}'
+            )
+
+    @contextmanager
+    def _database(self) -> Iterator[sqlite3.Connection]:
+        with self._plain_file() as path:
+            # A recorder that was killed leaves a journal, which SQLite must be able to take in.
+            journal = path.with_name(f'{path.name}-wal')
+            mode = 'mode=ro' if journal.exists() else 'immutable=1'
+            with closing(
+                sqlite3.connect(f'{path.absolute().as_uri()}?{mode}', uri=True)
+            ) as opened:
+                yield opened
+
+    @contextmanager
+    def _plain_file(self) -> Iterator[Path]:
+        """Give the file itself, or, where it is compressed, a decompressed copy of it."""
+        if not self._part.compressed:
+            yield self._part.path
+            return
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / 'recording.db3'
+            # What was decompressed before the damage is of use.
+            with (
+                suppress(*DAMAGE),
+                open_part(self._part.path, compressed=True) as source,
+                path.open('wb') as target,
+            ):
+                shutil.copyfileobj(source, target)
+            yield path
+
+
+def _topic_rows(database: sqlite3.Connection) -> dict[int, tuple[str, str, str]]:
+    """Return the name, type and QoS of each topic that is serialised as CDR, by its number."""
+    columns = {str(row[1]) for row in database.execute('PRAGMA table_info(topics)')}
+    qos = 'offered_qos_profiles' if 'offered_qos_profiles' in columns else "''"
+    rows = database.execute(
+        f'SELECT id, name, type, {qos} FROM topics WHERE serialization_format = ?',  # noqa: S608
+        (_SERIALISATION,),
+    )
+    return {int(row[0]): (str(row[1]), str(row[2]), str(row[3])) for row in rows}
+
+
+def _counts(database: sqlite3.Connection) -> dict[int, int] | None:
+    try:
+        rows = database.execute('SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id')
+        return {int(number): int(count) for number, count in rows}
+    except DAMAGE:
+        return None
+
+
+def _message(
+    row: tuple[Any, Any, Any], topics: dict[int, tuple[str, str, str]]
+) -> RawMessage | None:
+    number, log_time, data = row
+    if number not in topics or not isinstance(log_time, int) or not isinstance(data, bytes):
+        return None
+    name, type_name, _ = topics[number]
+    return RawMessage(name, type_name, log_time, data)

@@ -1,0 +1,264 @@
+"""Writing recordings that the real rosbag2 plays: MCAP, alone or in a bag folder."""
+
+import os
+import shutil
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import BinaryIO
+
+from mcap.writer import CompressionType, Writer
+
+from lsc_pose_ros.bags.serialization.serialize import (
+    camera_info_message,
+    depth_message,
+    markers_message,
+    mask_message,
+    skeletons_message,
+)
+from lsc_pose_ros.bags.serialization.type_store import definition, fingerprint
+from lsc_pose_ros.bags.storage.damage import reason
+from lsc_pose_ros.bags.storage.layout import METADATA_NAME
+from lsc_pose_ros.bags.storage.metadata import (
+    Written,
+    WrittenTopic,
+    metadata_text,
+    metadata_yaml,
+    qos_text,
+)
+from lsc_pose_ros.bags.storage.raw_messages import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
+from lsc_pose_ros.bags.topics import DEFAULT_TOPICS, Topics
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.markers import MarkerShape
+
+_SUFFIX = '.mcap'
+_CHUNK_SIZE = 1 << 20
+_LIBRARY = 'lsc_pose_ros'
+
+
+class RecordingWriter:
+    """A recording being written; a context manager.
+
+    It is written beside its place and moved there when all went well, else removed. The same
+    messages give the same bytes.
+    """
+
+    def __init__(self, path: Path | str) -> None:
+        """Name the recording.
+
+        Args:
+            path: with the suffix .mcap one file, which is replaced if it exists; without a
+                suffix a bag folder, which must not exist.
+
+        Raises:
+            InputError: the path is neither, or there is something in the way.
+        """
+        self._path = Path(path)
+        self._folder = not self._path.suffix
+        self._check_path()
+        self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
+        self._file_name = f'{self._path.name}_0{_SUFFIX}' if self._folder else self._path.name
+        self._channels: dict[str, _Channel] = {}
+        self._schemas: dict[str, int] = {}
+        self._start: int | None = None
+        self._end: int | None = None
+        self._stream: BinaryIO | None = None
+        self._mcap: Writer | None = None
+
+    @property
+    def path(self) -> Path:
+        """Where the recording will be."""
+        return self._path
+
+    def __enter__(self) -> 'RecordingWriter':  # noqa: PYI034 - typing.Self is of Python 3.11
+        """Begin to write.
+
+        Raises:
+            InputError: the place cannot be written to.
+        """
+        try:
+            if self._folder:
+                self._partial.mkdir()
+            self._stream = self._data_path.open('wb')
+        except OSError as error:
+            raise self._unwritable(error) from error
+        self._mcap = Writer(
+            self._stream,
+            chunk_size=_CHUNK_SIZE,
+            compression=CompressionType.ZSTD,
+            enable_data_crcs=True,
+        )
+        self._mcap.start(profile='ros2', library=_LIBRARY)
+        return self
+
+    def __exit__(
+        self,
+        error_type: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        """Finish the recording and move it to its place, or remove it after an error.
+
+        Raises:
+            InputError: it cannot be finished, for example because the disk is full.
+        """
+        try:
+            if error is None:
+                self._finish()
+        except OSError as failure:
+            raise self._unwritable(failure) from failure
+        finally:
+            self._remove_partial()
+
+    def write(self, topic: str, type_name: str, stamp_ns: int, data: bytes) -> None:
+        """Write one serialised message.
+
+        Args:
+            topic: its name.
+            type_name: its type, for example 'sensor_msgs/msg/Image'.
+            stamp_ns: when, nanoseconds.
+            data: the message as CDR.
+
+        Raises:
+            InputError: the type is unknown or the disk is full.
+        """
+        if self._mcap is None:
+            msg = f'{self._path}: the recording is not open'
+            raise RuntimeError(msg)
+        try:
+            channel = self._channels.get(topic) or self._add_channel(self._mcap, topic, type_name)
+            self._mcap.add_message(channel.number, stamp_ns, data, stamp_ns)
+        except OSError as error:
+            raise self._unwritable(error) from error
+        channel.count += 1
+        self._start = stamp_ns if self._start is None else min(self._start, stamp_ns)
+        self._end = stamp_ns if self._end is None else max(self._end, stamp_ns)
+
+    def write_frame(
+        self, frame: Frame, topics: Topics = DEFAULT_TOPICS, *, mask_background: int = 0
+    ) -> None:
+        """Write a frame: depth image (16UC1), camera info, mask, and truth where it is known.
+
+        Args:
+            frame: what to write.
+            topics: the topics' names; one that is '' is not written.
+            mask_background: the mask's pixel value for no body.
+
+        Raises:
+            InputError: a body has the background's number, or the disk is full.
+        """
+        stamp, frame_id = frame.stamp, frame.frame_id
+        shape = frame.depth.shape
+        if topics.depth:
+            self.write(topics.depth, IMAGE, stamp, depth_message(stamp, frame_id, frame.depth))
+        if topics.camera_info:
+            info = camera_info_message(stamp, frame_id, frame.camera, shape)
+            self.write(topics.camera_info, CAMERA_INFO, stamp, info)
+        if topics.mask:
+            mask = mask_message(stamp, frame_id, frame.labels, mask_background)
+            self.write(topics.mask, IMAGE, stamp, mask)
+        if topics.ground_truth and frame.ground_truth is not None:
+            self.write_skeletons(topics.ground_truth, stamp, frame_id, frame.ground_truth)
+
+    def write_skeletons(self, topic: str, stamp: int, frame_id: str, skeletons: Skeletons) -> None:
+        """Write skeletons as sensor_msgs/PointCloud2.
+
+        Args:
+            topic: its name.
+            stamp: the depth image's, nanoseconds.
+            frame_id: the camera's optical frame.
+            skeletons: what to write.
+        """
+        self.write(topic, POINT_CLOUD, stamp, skeletons_message(stamp, frame_id, skeletons))
+
+    def write_markers(
+        self, topic: str, stamp: int, frame_id: str, markers: list[MarkerShape]
+    ) -> None:
+        """Write shapes as visualization_msgs/MarkerArray.
+
+        Args:
+            topic: its name.
+            stamp: the depth image's, nanoseconds.
+            frame_id: the camera's optical frame.
+            markers: what to write.
+        """
+        self.write(topic, MARKER_ARRAY, stamp, markers_message(stamp, frame_id, markers))
+
+    @property
+    def _data_path(self) -> Path:
+        return self._partial / self._file_name if self._folder else self._partial
+
+    def _add_channel(self, mcap: Writer, topic: str, type_name: str) -> '_Channel':
+        if type_name not in self._schemas:
+            text = definition(type_name).encode()
+            self._schemas[type_name] = mcap.register_schema(type_name, 'ros2msg', text)
+        details = {
+            'offered_qos_profiles': qos_text(),
+            'topic_type_hash': fingerprint(type_name),
+        }
+        number = mcap.register_channel(topic, 'cdr', self._schemas[type_name], details)
+        channel = self._channels[topic] = _Channel(number, type_name)
+        return channel
+
+    def _finish(self) -> None:
+        if self._mcap is None or self._stream is None:
+            return
+        written = self._written()
+        self._mcap.add_metadata('rosbag2', {'serialized_metadata': metadata_text(written)})
+        self._mcap.finish()  # type: ignore[no-untyped-call]
+        self._stream.flush()
+        os.fsync(self._stream.fileno())
+        self._stream.close()
+        if self._folder:
+            (self._partial / METADATA_NAME).write_text(metadata_yaml(written), 'utf-8')
+        self._partial.replace(self._path)
+
+    def _written(self) -> Written:
+        topics = [
+            WrittenTopic(name, channel.type_name, fingerprint(channel.type_name), channel.count)
+            for name, channel in self._channels.items()
+        ]
+        # A lone file may be renamed, and two of the same contents shall have the same bytes.
+        name = self._file_name if self._folder else f'recording{_SUFFIX}'
+        return Written(name, topics, self._start, self._end)
+
+    def _remove_partial(self) -> None:
+        if self._stream is not None:
+            # What a full disk would not take cannot be flushed now either.
+            with suppress(OSError):
+                self._stream.close()
+        if self._folder:
+            shutil.rmtree(self._partial, ignore_errors=True)
+        else:
+            self._partial.unlink(missing_ok=True)
+
+    def _check_path(self) -> None:
+        if not self._folder and self._path.suffix != _SUFFIX:
+            msg = (
+                f'{self._path}: a recording is written as a file .mcap or as a folder '
+                f'(a name without suffix), not as {self._path.suffix}'
+            )
+            raise InputError(msg)
+        if not self._path.parent.is_dir():
+            msg = f'{self._path}: the folder {self._path.parent} does not exist; create it first'
+            raise InputError(msg)
+        if self._folder and self._path.exists():
+            msg = f'{self._path} exists already; remove it or choose another name'
+            raise InputError(msg)
+        if not self._folder and self._path.is_dir():
+            msg = f'{self._path} is a folder; choose another name'
+            raise InputError(msg)
+
+    def _unwritable(self, error: OSError) -> InputError:
+        return InputError(f'{self._path}: cannot be written ({reason(error)})')
+
+
+class _Channel:
+    """A topic as far as it is written."""
+
+    def __init__(self, number: int, type_name: str) -> None:
+        self.number = number
+        self.type_name = type_name
+        self.count = 0

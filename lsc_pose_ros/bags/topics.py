@@ -1,0 +1,174 @@
+"""Which of a recording's topics are the depth image, the camera info, the mask and the truth."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import NamedTuple
+
+from lsc_pose_ros.bags.storage.raw_messages import (
+    CAMERA_INFO,
+    COMPRESSED_IMAGE,
+    IMAGE,
+    POINT_CLOUD,
+    TopicSummary,
+)
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.image_encodings import DEPTH_TYPES
+
+_IMAGES = (IMAGE, COMPRESSED_IMAGE)
+_MASK_WORDS = ('mask', 'body_index', 'label', 'segment')
+_TRUTH_WORDS = ('ground_truth', 'truth')
+
+
+class Topics(NamedTuple):
+    """The names of the topics that make up a frame; '' is found by type and name."""
+
+    depth: str = ''
+    camera_info: str = ''
+    mask: str = ''
+    ground_truth: str = ''
+
+
+DEFAULT_TOPICS = Topics('/depth/image', '/depth/camera_info', '/mask', '/ground_truth/skeletons')
+
+
+class Recorded(NamedTuple):
+    """What a recording offers.
+
+    Attributes:
+        where: its path, for errors.
+        topics: its topics by name.
+        encodings: returns the encoding of the first image of each of the topics it is given;
+            asked only where the names leave a choice, because the answer takes reading.
+    """
+
+    where: str
+    topics: Mapping[str, TopicSummary]
+    encodings: Callable[[Sequence[str]], Mapping[str, str]]
+
+
+def find_topics(wanted: Topics, recorded: Recorded, *, need_mask: bool = True) -> Topics:
+    """Return the topics of the frames in a recording; `mask` and `ground_truth` are '' for none.
+
+    Args:
+        wanted: the names that are given; each '' is looked for.
+        recorded: what there is.
+        need_mask: whether frames without a mask are of no use.
+
+    Raises:
+        InputError: one is missing, has another type, or there are several to choose from.
+    """
+    depth = _named(wanted.depth, _IMAGES, recorded, 'depth') or _find_depth(recorded)
+    info = _named(wanted.camera_info, (CAMERA_INFO,), recorded, 'camera-info')
+    mask = _named(wanted.mask, _IMAGES, recorded, 'mask') or _find_mask(recorded, depth)
+    ground_truth = _named(wanted.ground_truth, (POINT_CLOUD,), recorded, 'ground-truth')
+    if need_mask and not mask:
+        msg = f'{recorded.where}: no mask topic; {_advice(recorded, _IMAGES, "mask")}'
+        raise InputError(msg)
+    return Topics(
+        depth,
+        info or _find_camera_info(recorded, depth),
+        mask,
+        ground_truth or _find_ground_truth(recorded),
+    )
+
+
+def _named(name: str, types: Sequence[str], recorded: Recorded, option: str) -> str:
+    """Return the topic that the user named, or '' where none was named."""
+    if not name:
+        return ''
+    topic = recorded.topics.get(name)
+    if topic is None:
+        msg = f'{recorded.where}: no topic {name}; {_advice(recorded, types, option)}'
+        raise InputError(msg)
+    if topic.type_name not in types:
+        msg = (
+            f'{recorded.where}: the topic {name} is a {topic.type_name}; '
+            f'{_advice(recorded, types, option)}'
+        )
+        raise InputError(msg)
+    return name
+
+
+def _find_depth(recorded: Recorded) -> str:
+    images = [name for name in _of_types(recorded, _IMAGES) if not _has(name, _MASK_WORDS)]
+    if DEFAULT_TOPICS.depth in images:
+        return DEFAULT_TOPICS.depth
+    named = _without_copies([name for name in images if 'depth' in name.lower()])
+    if len(named) == 1:
+        return named[0]
+    encodings = recorded.encodings(named or images)
+    found = [name for name in named or images if _is_depth(encodings.get(name, ''))]
+    if not found and not named:
+        msg = f'{recorded.where}: no depth topic; {_advice(recorded, _IMAGES, "depth")}'
+        raise InputError(msg)
+    return _only(found or named, recorded, 'depth')
+
+
+def _find_camera_info(recorded: Recorded, depth: str) -> str:
+    infos = _of_types(recorded, (CAMERA_INFO,))
+    if not infos:
+        msg = f'{recorded.where}: no camera info (sensor_msgs/msg/CameraInfo) was recorded'
+        raise InputError(msg)
+    # By convention it lies beside the image; a transport's name comes below the image's own.
+    parents = (depth.rpartition('/')[0], depth.rpartition('/')[0].rpartition('/')[0])
+    for parent in parents:
+        if f'{parent}/camera_info' in infos:
+            return f'{parent}/camera_info'
+    if len(infos) == 1:
+        return infos[0]
+    named = [name for name in infos if 'depth' in name.lower()]
+    return _only(named or infos, recorded, 'camera-info')
+
+
+def _find_mask(recorded: Recorded, depth: str) -> str:
+    images = [name for name in _of_types(recorded, _IMAGES) if name != depth]
+    if DEFAULT_TOPICS.mask in images:
+        return DEFAULT_TOPICS.mask
+    found = _without_copies([name for name in images if _has(name, _MASK_WORDS)])
+    return _only(found, recorded, 'mask') if found else ''
+
+
+def _find_ground_truth(recorded: Recorded) -> str:
+    clouds = _of_types(recorded, (POINT_CLOUD,))
+    if DEFAULT_TOPICS.ground_truth in clouds:
+        return DEFAULT_TOPICS.ground_truth
+    found = [name for name in clouds if _has(name, _TRUTH_WORDS)]
+    return _only(found, recorded, 'ground-truth') if found else ''
+
+
+def _of_types(recorded: Recorded, types: Sequence[str]) -> list[str]:
+    """Return the topics of `types` that have messages, sorted by name."""
+    return sorted(
+        name
+        for name, topic in recorded.topics.items()
+        if topic.type_name in types and topic.count != 0
+    )
+
+
+def _without_copies(names: list[str]) -> list[str]:
+    """Leave out what image_transport publishes of an image that is there itself."""
+    return [name for name in names if name.rpartition('/')[0] not in names]
+
+
+def _has(name: str, words: Sequence[str]) -> bool:
+    return any(word in name.lower() for word in words)
+
+
+def _is_depth(encoding: str) -> bool:
+    return encoding in DEPTH_TYPES or 'compressedDepth' in encoding
+
+
+def _only(names: list[str], recorded: Recorded, option: str) -> str:
+    if len(names) > 1:
+        msg = (
+            f'{recorded.where}: several topics could be the {option.replace("-", " ")}: '
+            f'{", ".join(names)}; choose with --{option}-topic'
+        )
+        raise InputError(msg)
+    return names[0]
+
+
+def _advice(recorded: Recorded, types: Sequence[str], option: str) -> str:
+    candidates = _of_types(recorded, types)
+    if not candidates:
+        return f'the recording has no messages of the type {" or ".join(types)}'
+    return f'choose with --{option}-topic among {", ".join(candidates)}'

@@ -1,0 +1,166 @@
+"""`lsc_pose evaluate`: how good a model is on labelled recordings."""
+
+import argparse
+from pathlib import Path
+
+from lsc_pose_ros.bags import FrameReader
+from lsc_pose_ros.cli.input.labelled_frames import open_recordings, read_frames
+from lsc_pose_ros.cli.options.model_option import add_model_argument
+from lsc_pose_ros.cli.options.numbers import positive_float, positive_int
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments
+from lsc_pose_ros.cli.output.evaluation_results import (
+    Asked,
+    Measured,
+    evaluation_facts,
+    evaluation_results,
+    evaluation_table,
+)
+from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.evaluation.evaluate import evaluate, select, summarise
+from lsc_pose_ros.evaluation.offsets import fit_offsets
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.resources.package_files import find_model
+
+HELP = """Measure a model on labelled recordings: the model that the first word or --model names,
+or else the one that comes with the package."""
+
+PAPER_TOLERANCE = 0.1
+
+# By these the first word is told from a model's.
+_RECORDING_SUFFIXES = {'.mcap', '.db3', '.zstd'}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments to `parser`."""
+    _add_what_is_measured(parser)
+    parser.add_argument(
+        '--no-graph',
+        dest='graph',
+        action='store_false',
+        help='take each joint by itself, without the pictorial structure',
+    )
+    parser.add_argument(
+        '--query-points',
+        type=positive_int,
+        metavar='N',
+        help='how many silhouette points vote (default: as the model says)',
+    )
+    parser.add_argument(
+        '--tolerance',
+        type=positive_float,
+        default=PAPER_TOLERANCE,
+        metavar='METRES',
+        help='how far a joint may be off to count as found (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--joints',
+        nargs='+',
+        metavar='JOINT',
+        help='count these joints only (default: all that the model estimates)',
+    )
+    parser.add_argument(
+        '--offsets-from',
+        type=Path,
+        nargs='+',
+        metavar='RECORDING',
+        help='also give the results with a constant offset added to each joint: what these other '
+        'labelled recordings show it to be off by, in the camera frame, as the median; for labels '
+        'whose joints lie elsewhere in the body',
+    )
+    parser.add_argument('--json', type=Path, metavar='FILE', help='write the results there')
+    parser.add_argument(
+        '--report', type=Path, metavar='DIR', help='write a page with plots and pictures there'
+    )
+    add_topic_arguments(parser)
+
+
+def _add_what_is_measured(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        'first',
+        metavar='[MODEL]',
+        help='a model that `train` wrote, or the name of one that comes with the package; it may '
+        'be left out before recordings whose names end in .mcap or .db3, and before bag folders',
+    )
+    recordings = parser.add_argument(
+        'recordings',
+        type=Path,
+        nargs='+',
+        default=[],
+        metavar='RECORDING',
+        help='a labelled recording: an .mcap or .db3 file, or a bag folder',
+    )
+    # The first word may be the only recording.
+    recordings.required = False
+    add_model_argument(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Evaluate the model that `arguments` name and print the scores; return the exit status.
+
+    Raises:
+        InputError: the model or a recording cannot be used, or nothing is labelled.
+    """
+    path, recordings = _model_and_recordings(arguments)
+    model = load_model(path)
+    if arguments.query_points:
+        settings = model.settings._replace(query_points=arguments.query_points)
+        model = model._replace(settings=settings)
+    estimator = Estimator(model, graph=arguments.graph)
+    readers = open_recordings(arguments, recordings)
+    others = open_recordings(arguments, arguments.offsets_from or [])
+    measured = _measure(arguments, estimator, readers, others)
+    asked = Asked(path, recordings, arguments.offsets_from or [], arguments.tolerance)
+    results = evaluation_results(asked, estimator, measured)
+    print(evaluation_table(results))
+    if arguments.json:
+        write_json(arguments.json, results)
+    if arguments.report:
+        # Matplotlib takes half a second to import, which a plain evaluation need not wait for.
+        from lsc_pose_ros.cli.output.evaluation_report import report_evaluation  # noqa: PLC0415
+
+        page = report_evaluation(
+            arguments.report,
+            estimator,
+            readers,
+            (measured.evaluation, measured.summary, arguments.tolerance),
+            evaluation_facts(results),
+        )
+        print(page)
+    return 0
+
+
+def _model_and_recordings(arguments: argparse.Namespace) -> tuple[Path, list[Path]]:
+    """Return the model's path and the recordings that the words stand for."""
+    first = Path(arguments.first)
+    is_recording = first.is_dir() or first.suffix in _RECORDING_SUFFIXES
+    if is_recording:
+        return find_model(arguments.model), [first, *arguments.recordings]
+    if arguments.model:
+        msg = (
+            f'{first} and --model {arguments.model}: two models are named; leave one out '
+            '(the names of recordings end in .mcap or .db3, or are those of folders)'
+        )
+        raise InputError(msg)
+    if not arguments.recordings:
+        msg = f'{first}: no recording is named; give `lsc_pose evaluate` one after the model'
+        raise InputError(msg)
+    return find_model(arguments.first), arguments.recordings
+
+
+def _measure(
+    arguments: argparse.Namespace,
+    estimator: Estimator,
+    readers: list[FrameReader],
+    others: list[FrameReader],
+) -> Measured:
+    """Evaluate on `readers`, with offsets fitted on `others` if there are any."""
+    wanted = numbers_of(arguments.joints) if arguments.joints else estimator.joints
+    offsets = None
+    if others:
+        fitted = select(evaluate(estimator, read_frames(others, 'fitting offsets')), wanted)
+        offsets = fit_offsets(fitted)
+    evaluation = select(evaluate(estimator, read_frames(readers, 'evaluating')), wanted)
+    return Measured(evaluation, summarise(evaluation, arguments.tolerance), offsets)

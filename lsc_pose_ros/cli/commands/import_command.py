@@ -1,0 +1,96 @@
+"""`lsc_pose import`: a public data set becomes a labelled recording."""
+
+import argparse
+from pathlib import Path
+
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.datasets.utd_mhad import (
+    LABEL_MARGIN,
+    LAG,
+    Selection,
+    import_utd_mhad,
+    select_takes,
+)
+
+HELP = 'turn a public data set into a labelled recording'
+
+_UTD_MHAD = f"""\
+Turn UTD-MHAD (Chen, Jafari, Kehtarnavaz, ICIP 2015: 27 actions before a Kinect v1) into a
+labelled recording. Three things about the data set are put right on the way:
+
+  mirrored  its images and its X axis are mirrored. Images are flipped left-right, positions
+            (X, Y up, Z) become (-X, -Y, Z) in the optical frame; left and right are the
+            person's own.
+  lag       its skeletons are {LAG} frames ahead of its depth: depth image k gets skeleton
+            k - {LAG}, and the first {LAG} depth images of each sequence are left out.
+  labels    they come from the Kinect SDK's tracker, which loses a limb now and then: a joint that
+            projects more than {LABEL_MARGIN} pixels outside the mask is not labelled (NaN), unless
+            --no-label-filter is given.
+
+Frames are sorted by subject, action, trial and time; stamps are the original 30 Hz, with a gap of
+a second between sequences. The body's number in the mask is 1.
+"""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the data sets, each with its own arguments, to `parser`."""
+    datasets = parser.add_subparsers(dest='dataset', required=True, metavar='DATASET')
+    utd_mhad = datasets.add_parser(
+        'utd-mhad',
+        help='UTD-MHAD: real people before a Kinect v1',
+        description=_UTD_MHAD,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    utd_mhad.add_argument(
+        'directory', type=Path, metavar='DIR', help='holds the folders Depth and Skeleton'
+    )
+    utd_mhad.add_argument(
+        'output', type=Path, metavar='OUT', help='the recording: OUT.mcap, or a bag folder'
+    )
+    for name in ('subjects', 'actions', 'trials'):
+        utd_mhad.add_argument(
+            f'--{name}', type=int, nargs='+', metavar='N', help=f'only these {name} (default: all)'
+        )
+    utd_mhad.add_argument(
+        '--stride', type=int, default=1, metavar='N', help='every Nth frame (default: %(default)s)'
+    )
+    utd_mhad.add_argument(
+        '--max-frames',
+        type=int,
+        metavar='N',
+        help='draw N frames at random, spread evenly over all selected (default: take all)',
+    )
+    utd_mhad.add_argument(
+        '--seed', type=int, default=0, help='of the draw of --max-frames (default: %(default)s)'
+    )
+    utd_mhad.add_argument(
+        '--no-label-filter',
+        dest='label_filter',
+        action='store_false',
+        help=f'keep labels more than {LABEL_MARGIN} pixels outside the mask',
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Import the data set that `arguments` name; return the exit status.
+
+    Raises:
+        InputError: the data set or the output cannot be used.
+    """
+    selection = Selection(
+        subjects=arguments.subjects,
+        actions=arguments.actions,
+        trials=arguments.trials,
+        stride=arguments.stride,
+        max_frames=arguments.max_frames,
+        seed=arguments.seed,
+    )
+    takes = select_takes(arguments.directory, selection)
+    count = sum(len(take.frames) for take in takes)
+    frames = import_utd_mhad(takes, label_filter=arguments.label_filter)
+    with RecordingWriter(arguments.output) as writer:
+        for frame in progress(frames, count, 'importing'):
+            writer.write_frame(frame)
+    print(f'{arguments.output}: {count} frames of {len(takes)} sequences')
+    return 0

@@ -1,0 +1,98 @@
+"""`lsc_pose info`: what a recording or a model holds."""
+
+import argparse
+from collections import deque
+from datetime import datetime, timezone
+from pathlib import Path
+from typing import Any
+
+from lsc_pose_ros.bags.inspection import Inspection, RecordingReport
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.resources.package_files import find_model, shipped_models
+
+HELP = (
+    'Say what a recording or a model holds. A recording is read whole, its checksums included, '
+    'so that the counts and the warnings tell what can really be used.'
+)
+
+_ZIP_MAGIC = b'PK\x03\x04'
+_MODEL_SUFFIX = '.npz'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments to `parser`."""
+    parser.add_argument(
+        'path',
+        type=Path,
+        metavar='PATH',
+        help='a recording (file or bag folder), a model, or the name of one that comes with the '
+        'package',
+    )
+    parser.add_argument('--json', type=Path, metavar='FILE', help='write it to FILE as JSON too')
+    add_topic_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print what `arguments.path` holds; return the exit status.
+
+    Raises:
+        InputError: it is neither a recording nor a model, or the JSON cannot be written.
+    """
+    path = arguments.path
+    if not path.exists() and str(path) in shipped_models():
+        path = find_model(path)
+    contents = _describe_model(path) if _is_model(path) else _describe_recording(arguments)
+    if arguments.json is not None:
+        write_json(arguments.json, contents)
+    return 0
+
+
+def _is_model(path: Path) -> bool:
+    if path.suffix == _MODEL_SUFFIX:
+        return True
+    try:
+        with path.open('rb') as stream:
+            return stream.read(len(_ZIP_MAGIC)) == _ZIP_MAGIC
+    except OSError:  # a folder, or nothing: the recording's reader says which
+        return False
+
+
+def _describe_model(path: Path) -> dict[str, Any]:
+    # Only here: a recording's description need not load the whole method.
+    from lsc_pose_ros.model_io.model_file import describe_model, load_model  # noqa: PLC0415
+
+    description = describe_model(load_model(path))
+    print(f'model        {path}')
+    width = max(map(len, description), default=0)
+    for name, value in description.items():
+        print(f'{name:{width}}  {value}')
+    return {'kind': 'model', 'path': str(path), **description}
+
+
+def _describe_recording(arguments: argparse.Namespace) -> dict[str, Any]:
+    inspection = Inspection(arguments.path, topics_of(arguments), arguments.mask_background)
+    deque(progress(inspection, inspection.total, 'reading'), maxlen=0)
+    report = inspection.report()
+    _print_recording(report)
+    topics = [topic._asdict() for topic in report.topics]
+    return {'kind': 'recording', **report._asdict(), 'topics': topics}
+
+
+def _print_recording(report: RecordingReport) -> None:
+    start = datetime.fromtimestamp(report.start_ns * 1e-9, timezone.utc)
+    frame_topics = ', '.join(f'{name} {topic}' for name, topic in report.frame_topics.items())
+    print(f'recording  {report.path}')
+    print(f'files      {len(report.files)}, {report.size_bytes * 1e-6:.1f} MB')
+    print(f'start      {start.isoformat(timespec="milliseconds")}')
+    print(f'duration   {report.duration_s:.1f} s')
+    print(f'messages   {report.messages}')
+    print(f'frames     {report.frames}, labelled {report.labelled_frames}')
+    print(f'made of    {frame_topics or "-"}')
+    print('topics')
+    width = max((len(topic.name) for topic in report.topics), default=0)
+    for topic in report.topics:
+        print(f'  {topic.name:{width}}  {topic.messages:7d}  {topic.type_name}')
+    for warning in report.warnings:
+        print(f'warning: {warning}')

@@ -1,0 +1,178 @@
+"""`lsc_pose replay`: a recording answered offline, or published for a live node."""
+
+import argparse
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags.estimation import answer_frames
+from lsc_pose_ros.cli.options.estimation_options import (
+    add_answer_arguments,
+    segmenter_of,
+    sequence_of,
+    style_of,
+)
+from lsc_pose_ros.cli.options.numbers import positive_float
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.requirements import load_with_ros
+from lsc_pose_ros.segmentation.segmenter import MASK
+
+if TYPE_CHECKING:
+    from lsc_pose_ros.ros.playback.player import Player  # needs rclpy, which only --publish loads
+
+HELP = """Estimate the joints in every frame of a recording, as fast as it goes, and write them
+to a new recording together with the messages they come from; or, with --publish, publish the
+recording's messages over ROS 2, as they are, for a live node."""
+
+TERMINATED = 143  # 128 + SIGTERM, as shells report it
+
+# Without --wait-for: how long subscribers are waited for before it begins without them, seconds.
+_PATIENCE = 3.0
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments to `parser`."""
+    parser.add_argument(
+        'recording',
+        type=Path,
+        metavar='RECORDING',
+        help='an .mcap or .db3 file, or a bag folder',
+    )
+    purpose = parser.add_mutually_exclusive_group(required=True)
+    purpose.add_argument(
+        '-o', '--output', type=Path, metavar='OUT', help='estimate, and write to OUT.mcap'
+    )
+    purpose.add_argument('--publish', action='store_true', help='publish over ROS 2')
+    add_answer_arguments(
+        parser.add_argument_group('with -o', 'The parameters of pose_node have the same names.')
+    )
+    _add_publish_arguments(parser.add_argument_group('with --publish'))
+    add_topic_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do what `arguments` ask for; return the exit status.
+
+    Raises:
+        InputError: the recording, the model or the output cannot be used, or ROS 2 is missing.
+    """
+    reader = open_frames(
+        arguments.recording,
+        topics_of(arguments),
+        mask_background=arguments.mask_background,
+        need_mask=not arguments.publish and arguments.segmentation == MASK,
+    )
+    if arguments.publish:
+        return _publish(arguments, reader)
+    return _answer(arguments, reader)
+
+
+def _add_publish_arguments(group: argparse._ArgumentGroup) -> None:
+    group.add_argument(
+        '--rate',
+        type=positive_float,
+        default=1.0,
+        metavar='FACTOR',
+        help='how many times as fast as recorded (default: %(default)s)',
+    )
+    group.add_argument('--clock', action='store_true', help='publish the recorded time on /clock')
+    group.add_argument('--loop', action='store_true', help='begin anew at the end, until stopped')
+    group.add_argument(
+        '--wait-for',
+        type=positive_float,
+        metavar='SECONDS',
+        help='wait so long for subscribers to depth images, camera infos and masks, and fail '
+        f'without (default: wait {_PATIENCE:g} s, then begin in any case)',
+    )
+    group.add_argument(
+        '--remap',
+        nargs='+',
+        type=_renaming,
+        default=[],
+        metavar='FROM:=TO',
+        help='publish the topic FROM under the name TO',
+    )
+
+
+def _renaming(word: str) -> tuple[str, str]:
+    before, mark, after = word.partition(':=')
+    if not (before and mark and after):
+        msg = f'{word!r} is not FROM:=TO'
+        raise argparse.ArgumentTypeError(msg)
+    return before, after
+
+
+def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
+    output: Path = arguments.output
+    if output.exists() and output.samefile(arguments.recording):
+        msg = f'{output} is the recording itself; choose another name with -o'
+        raise InputError(msg)
+    segmenter = segmenter_of(arguments)
+    if segmenter is not None:
+        reader.topics = reader.topics._replace(mask='')  # frames need not wait for masks
+    sequence = sequence_of(arguments)
+    frames = bodies = 0
+    with RecordingWriter(output) as writer:
+        answers = answer_frames(reader, sequence, writer, segmenter, style_of(arguments))
+        for skeletons in progress(answers, reader.count, 'estimating'):
+            frames += 1
+            bodies += len(skeletons.bodies)
+        if not bodies:
+            raise InputError(_nobody(arguments, frames))
+    _warn(reader.warnings)
+    print(f'{output}: {frames} frames, {bodies} bodies')
+    return 0
+
+
+def _nobody(arguments: argparse.Namespace, frames: int) -> str:
+    """Say that a recording shows nobody."""
+    if arguments.segmentation == MASK:
+        return (
+            f'{arguments.recording}: the masks of all {frames} frames are empty; '
+            'is --mask-background right?'
+        )
+    return (
+        f'{arguments.recording}: --segmentation {arguments.segmentation} finds nobody in '
+        f'{frames} frames; are --range-min and --range-max right?'
+    )
+
+
+def _publish(arguments: argparse.Namespace, reader: FrameReader) -> int:
+    ros: Any = load_with_ros('lsc_pose_ros.ros.playback.player')
+    recording = read_messages(arguments.recording)
+    playback = ros.Playback(arguments.rate, arguments.clock, dict(arguments.remap))
+    counts = [topic.count for topic in recording.topics.values()]
+    total = None if None in counts else sum(filter(None, counts))
+    with ros.open_player(recording, playback) as publishing:
+        _warn(publishing.left_out)
+        _wait(arguments.wait_for, reader, publishing)
+        reached_end = True
+        while reached_end:
+            reached_end = publishing.play(progress(recording, total, 'publishing'))
+            if not arguments.loop:
+                break
+        if reached_end:
+            publishing.finish()
+    _warn(recording.warnings)
+    print(f'{arguments.recording}: {publishing.published} messages published')
+    return 0 if reached_end else TERMINATED
+
+
+def _wait(seconds: float | None, reader: FrameReader, publishing: 'Player') -> None:
+    topics = [topic for topic in reader.topics[:3] if topic]
+    found = publishing.wait_for_subscribers(topics, seconds or _PATIENCE)
+    if not found and seconds is not None:
+        msg = (
+            f'no subscriber to {", ".join(topics)} within {seconds:g} s; '
+            'start pose_node first, remapped to them'
+        )
+        raise InputError(msg)
+
+
+def _warn(warnings: Iterable[str]) -> None:
+    for warning in warnings:
+        print(f'lsc_pose: warning: {warning}', file=sys.stderr)

@@ -1,0 +1,205 @@
+"""`lsc_pose synth`: a labelled recording of synthetic people, to train and to test with."""
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.cli.options.image_size import image_size
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
+from lsc_pose_ros.synthetic.sensors.sensors import NOISES, SENSORS
+from lsc_pose_ros.synthetic.settings import CLIP_LENGTH, VIDEO_CLIP_LENGTH, clip_length_of
+
+HELP = 'generate a labelled recording of synthetic people'
+
+_DEFAULTS = SyntheticSettings()
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's own arguments to `parser`."""
+    parser.add_argument(
+        'output', type=Path, metavar='OUT', help='the recording: OUT.mcap, or a bag folder'
+    )
+    _add_amount(parser)
+    _add_people(parser)
+    _add_place(parser.add_argument_group('where camera and people are'))
+    _add_sensor(parser.add_argument_group('the camera'))
+    _add_mocap(parser.add_argument_group("motion capture, instead of the generator's own poses"))
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Generate the recording that `arguments` describe; return the exit status.
+
+    Raises:
+        InputError: the settings or the output cannot be used.
+    """
+    settings = settings_of(arguments)
+    frames = synthetic_frames(settings)
+    with RecordingWriter(arguments.output) as writer:
+        for frame in progress(frames, settings.frames, 'generating'):
+            writer.write_frame(frame)
+    clips = -(-settings.frames // clip_length_of(settings))
+    print(f'{arguments.output}: {settings.frames} frames, {clips * settings.people} people')
+    return 0
+
+
+def settings_of(arguments: argparse.Namespace) -> SyntheticSettings:
+    """Return the settings that `arguments` describe."""
+    width, height = arguments.size or (None, None)
+    given = vars(arguments) | {'width': width, 'height': height}
+    values: dict[str, Any] = {}
+    for name in SyntheticSettings._fields:
+        value = given[name]
+        values[name] = tuple(value) if isinstance(value, list) else value
+    return SyntheticSettings(**values)
+
+
+def _add_amount(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--frames', type=int, default=_DEFAULTS.frames, metavar='N', help='how many (%(default)s)'
+    )
+    parser.add_argument(
+        '--seed',
+        type=int,
+        default=_DEFAULTS.seed,
+        metavar='N',
+        help='the same, the same frames (%(default)s)',
+    )
+    parser.add_argument(
+        '--fps',
+        type=float,
+        dest='rate',
+        metavar='HZ',
+        help='a video of so many frames a second; without it, every frame is on its own',
+    )
+    parser.add_argument(
+        '--clip-length',
+        type=int,
+        metavar='N',
+        help=f'every N frames new people come ({CLIP_LENGTH}; {VIDEO_CLIP_LENGTH} in a video)',
+    )
+
+
+def _add_people(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--people',
+        type=int,
+        default=_DEFAULTS.people,
+        metavar='N',
+        help='in every frame (%(default)s)',
+    )
+    _add_range(parser, 'age', ('YOUNGEST', 'OLDEST'), 'years')
+    _add_range(parser, 'stature', ('SMALLEST', 'TALLEST'), 'metres')
+    parser.add_argument(
+        '--yaw',
+        type=float,
+        default=_DEFAULTS.yaw,
+        metavar='DEGREES',
+        help='people face so far aside of the camera at most; 180 is all round (%(default)g)',
+    )
+
+
+def _add_place(parser: argparse._ArgumentGroup) -> None:
+    _add_range(
+        parser,
+        'distance',
+        ('NEAREST', 'FARTHEST'),
+        'of people from the camera, metres; who does not fit the image so near stands farther',
+    )
+    _add_range(
+        parser, 'height', ('LOWEST', 'HIGHEST'), 'of the camera, metres', dest='camera_height'
+    )
+    _add_range(
+        parser,
+        'tilt',
+        ('LEAST', 'MOST'),
+        'by which the camera looks down, degrees; negative is up',
+        dest='camera_tilt',
+    )
+    parser.add_argument(
+        '--cropped',
+        action='store_true',
+        help="people may be cut off by the image's edge; else they are in full view",
+    )
+    parser.add_argument(
+        '--background',
+        action='store_true',
+        help='a room with furniture about the people; else there is nothing',
+    )
+
+
+def _add_sensor(parser: argparse._ArgumentGroup) -> None:
+    parser.add_argument(
+        '--sensor',
+        choices=SENSORS,
+        default=_DEFAULTS.sensor,
+        help='whose size, field of view and noise are taken (%(default)s): %(choices)s',
+        metavar='NAME',
+    )
+    parser.add_argument(
+        '--size',
+        type=image_size,
+        metavar='WIDTHxHEIGHT',
+        help="of the image, pixels (the sensor's)",
+    )
+    parser.add_argument(
+        '--fov',
+        type=float,
+        dest='field_of_view',
+        metavar='DEGREES',
+        help="horizontal field of view (the sensor's)",
+    )
+    parser.add_argument(
+        '--noise',
+        choices=NOISES,
+        metavar='NAME',
+        help="the sensor's own; or another's, or none",
+    )
+
+
+def _add_mocap(parser: argparse._ArgumentGroup) -> None:
+    parser.add_argument(
+        '--mocap', type=Path, metavar='DIR', help='a folder of BVH files to draw from'
+    )
+    parser.add_argument(
+        '--mocap-mapping',
+        type=Path,
+        metavar='FILE',
+        help="says what the files' joints are (config/mocap/cmu.yaml)",
+    )
+    parser.add_argument(
+        '--mocap-share',
+        type=float,
+        default=_DEFAULTS.mocap_share,
+        metavar='SHARE',
+        help='of people who move as in the files, 0 to 1 (%(default)g)',
+    )
+    for name, meaning in (('only', 'only from these files'), ('without', 'not from these files')):
+        parser.add_argument(
+            f'--mocap-{name}',
+            nargs='+',
+            default=(),
+            metavar='CLIP',
+            help=f"draw {meaning}, without '.bvh'; '05_*' names all of a kind",
+        )
+
+
+def _add_range(
+    parser: argparse._ActionsContainer,
+    name: str,
+    ends: tuple[str, str],
+    meaning: str,
+    *,
+    dest: str | None = None,
+) -> None:
+    low, high = getattr(_DEFAULTS, dest or name)
+    parser.add_argument(
+        f'--{name}',
+        dest=dest,
+        type=float,
+        nargs=2,
+        default=(low, high),
+        metavar=ends,
+        help=f'{meaning} ({low:g} {high:g})',
+    )

@@ -1,0 +1,232 @@
+"""`lsc_pose view`: frames of a recording as pictures."""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from lsc_pose_ros.bags import FrameReader, open_frames, read_messages
+from lsc_pose_ros.cli.input.recorded_skeletons import find_skeletons_topic, read_skeletons_at
+from lsc_pose_ros.cli.options.frame_selection import Numbered, pick, spread
+from lsc_pose_ros.cli.options.model_option import add_model_argument
+from lsc_pose_ros.cli.options.numbers import positive_int
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.resources.package_files import DEFAULT_MODEL, find_model, shipped_models
+from lsc_pose_ros.viz.drawing.canvas import save_png
+from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
+from lsc_pose_ros.viz.stages.seen_body import SeenBody, see_body
+from lsc_pose_ros.viz.stages.stage_sheet import stage_sheet, write_stages
+
+HELP = """Draw frames of a recording on one sheet: depth, silhouette points, the estimated and the
+true skeletons; or, with --stages, one frame on its way through every stage of the method."""
+
+DEFAULT_FRAMES = 12
+_MOST_FRAMES = 200  # a sheet with more takes long to draw and cannot be looked at
+_SUFFIX = '.png'
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments to `parser`."""
+    parser.add_argument(
+        'recording',
+        type=Path,
+        metavar='RECORDING',
+        help='an .mcap or .db3 file, or a bag folder',
+    )
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=Path,
+        required=True,
+        metavar='OUT',
+        help='OUT.png; with --stages also a folder, which gets a picture a stage',
+    )
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
+        '--frames',
+        type=positive_int,
+        default=DEFAULT_FRAMES,
+        metavar='N',
+        help='draw N frames, spread evenly over the recording (default: %(default)s)',
+    )
+    which.add_argument(
+        '--at', type=_frame_number, nargs='+', metavar='FRAME', help='draw these, counted from 0'
+    )
+    which.add_argument(
+        '--stages', type=_frame_number, metavar='FRAME', help='draw all stages of this frame'
+    )
+    parser.add_argument(
+        '--body',
+        type=int,
+        metavar='NUMBER',
+        help='with --stages: the body to draw (default: the one that covers the most pixels)',
+    )
+    _add_skeleton_arguments(parser.add_argument_group('what is estimated'))
+    add_topic_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Draw what `arguments` ask for; return the exit status.
+
+    Raises:
+        InputError: the recording, the model or the output cannot be used.
+    """
+    _check(arguments)
+    reader = open_frames(
+        arguments.recording,
+        topics_of(arguments),
+        mask_background=arguments.mask_background,
+        need_mask=bool(arguments.model) or arguments.stages is not None,
+    )
+    estimator = None
+    if arguments.model or (_has_default_model() and _needs_model(arguments, reader)):
+        estimator = Estimator(load_model(find_model(arguments.model)), graph=arguments.graph)
+    if arguments.stages is not None:
+        _draw_stages(arguments, reader, estimator)
+    else:
+        _draw_sheet(arguments, reader, estimator)
+    return 0
+
+
+def _add_skeleton_arguments(group: argparse._ArgumentGroup) -> None:
+    source = group.add_mutually_exclusive_group()
+    add_model_argument(
+        source, 'with --stages, and where the recording holds no skeletons, not even true ones'
+    )
+    source.add_argument(
+        '--skeletons-topic',
+        default='',
+        metavar='TOPIC',
+        help='draw the skeletons that the recording holds there (default: without --model, those '
+        'of a topic called skeletons)',
+    )
+    group.add_argument(
+        '--no-graph',
+        dest='graph',
+        action='store_false',
+        help='take each joint by itself, without the pictorial structure',
+    )
+
+
+def _has_default_model() -> bool:
+    return DEFAULT_MODEL in shipped_models()
+
+
+def _needs_model(arguments: argparse.Namespace, reader: FrameReader) -> bool:
+    """Tell whether there is something to draw that only a model knows."""
+    if arguments.stages is not None:
+        return True
+    if arguments.skeletons_topic or reader.topics.ground_truth or not reader.topics.mask:
+        return False
+    return not find_skeletons_topic(read_messages(arguments.recording), '', '')
+
+
+def _frame_number(word: str) -> int:
+    try:
+        number = int(word)
+    except ValueError:
+        number = -1
+    if number < 0:
+        msg = f'{word!r} is no frame number; frames are counted from 0'
+        raise argparse.ArgumentTypeError(msg)
+    return number
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    """Refuse before the work what would fail after it."""
+    output: Path = arguments.output
+    if arguments.stages is None and output.suffix != _SUFFIX:
+        msg = f'{output}: the sheet is a PNG file; end its name in {_SUFFIX}'
+        raise InputError(msg)
+    if output.suffix == _SUFFIX and not output.parent.is_dir():
+        msg = f'{output}: there is no folder {output.parent}; make it first'
+        raise InputError(msg)
+    count = len(arguments.at or ()) or arguments.frames
+    if count > _MOST_FRAMES:
+        msg = f'{count} frames are too many for one sheet; {_MOST_FRAMES} are the most'
+        raise InputError(msg)
+    if arguments.body is not None and arguments.stages is None:
+        msg = '--body goes with --stages; a sheet shows all bodies'
+        raise InputError(msg)
+
+
+def _draw_sheet(
+    arguments: argparse.Namespace, reader: FrameReader, estimator: Estimator | None
+) -> None:
+    chosen = _choose(arguments, reader)
+    if estimator is None:
+        skeletons = _recorded(arguments, reader, chosen)
+        settings = Settings()
+    else:
+        skeletons = _estimated(estimator, chosen)
+        settings = estimator.model.settings
+    drawn = [
+        DrawnFrame(f'frame {number}', frame, skeletons.get(number), settings)
+        for number, frame in chosen
+    ]
+    save_png(contact_sheet(drawn, arguments.recording.name), arguments.output)
+    print(f'{arguments.output}: {len(drawn)} frames')
+
+
+def _estimated(estimator: Estimator, chosen: Sequence[Numbered]) -> dict[int, Skeletons]:
+    """Return the skeletons of each chosen frame, by its number."""
+    return {
+        number: estimator.estimate(frame.depth, frame.labels, frame.camera)
+        for number, frame in chosen
+    }
+
+
+def _recorded(
+    arguments: argparse.Namespace, reader: FrameReader, chosen: Sequence[Numbered]
+) -> dict[int, Skeletons]:
+    """Return the skeletons that the recording holds of the chosen frames, by their numbers."""
+    recording = read_messages(arguments.recording)
+    topic = find_skeletons_topic(recording, arguments.skeletons_topic, reader.topics.ground_truth)
+    if not topic:
+        return {}
+    answers = read_skeletons_at(recording, topic, {frame.stamp for _, frame in chosen})
+    return {number: answers[frame.stamp] for number, frame in chosen if frame.stamp in answers}
+
+
+def _choose(arguments: argparse.Namespace, reader: FrameReader) -> list[Numbered]:
+    if arguments.at:
+        total = max(arguments.at) + 1
+        frames = progress(reader, total, 'reading')
+        chosen = pick(frames, arguments.at, str(arguments.recording))
+    else:
+        chosen = spread(progress(reader, reader.count, 'reading'), arguments.frames)
+    _warn(reader)
+    return chosen
+
+
+def _draw_stages(
+    arguments: argparse.Namespace, reader: FrameReader, estimator: Estimator | None
+) -> None:
+    number = arguments.stages
+    frames = progress(reader, number + 1, 'reading')
+    frame = pick(frames, [number], str(arguments.recording))[0].frame
+    _warn(reader)
+    model = estimator.model if estimator is not None else None
+    seen = see_body(f'frame {number}', frame, arguments.body, model)
+    _save_stages(arguments.output, seen)
+
+
+def _save_stages(output: Path, seen: SeenBody) -> None:
+    if output.suffix == _SUFFIX:
+        save_png(stage_sheet(seen), output)
+        print(output)
+        return
+    for path in write_stages(output, seen):
+        print(path)
+
+
+def _warn(reader: FrameReader) -> None:
+    for warning in reader.warnings:
+        print(f'lsc_pose: warning: {warning}', file=sys.stderr)

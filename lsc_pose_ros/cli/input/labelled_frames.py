@@ -1,0 +1,60 @@
+"""The recordings that a command reads: opened before the work, their warnings told after it."""
+
+import argparse
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from lsc_pose_ros.bags import FrameReader, open_frames
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.errors import InputError
+
+
+def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add RECORDING… and the arguments that name their topics."""
+    parser.add_argument(
+        'recordings',
+        type=Path,
+        nargs='+',
+        metavar='RECORDING',
+        help='a labelled recording: an .mcap or .db3 file, or a bag folder',
+    )
+    add_topic_arguments(parser)
+
+
+def open_recordings(
+    arguments: argparse.Namespace, paths: Sequence[Path] | None = None
+) -> list[FrameReader]:
+    """Return the recordings that `arguments` name, or those at `paths` with the same topics.
+
+    Raises:
+        InputError: one of them cannot be opened or holds no ground truth.
+    """
+    readers = [
+        open_frames(path, topics_of(arguments), mask_background=arguments.mask_background)
+        for path in (arguments.recordings if paths is None else paths)
+    ]
+    for reader in readers:
+        if not reader.topics.ground_truth:
+            msg = (
+                f'{reader.path} has no ground truth (a PointCloud2 topic such as '
+                '/ground_truth/skeletons); name its topic with --ground-truth-topic'
+            )
+            raise InputError(msg)
+    return readers
+
+
+def read_frames(readers: Sequence[FrameReader], description: str) -> Iterator[Frame]:
+    """Yield the frames of all `readers` behind one progress bar; warnings go to stderr."""
+    counts = [reader.count for reader in readers]
+    total = None if None in counts else sum(filter(None, counts))
+    yield from progress(_chain(readers), total, description)
+
+
+def _chain(readers: Sequence[FrameReader]) -> Iterator[Frame]:
+    for reader in readers:
+        yield from reader
+        for warning in reader.warnings:
+            print(f'lsc_pose: warning: {warning}', file=sys.stderr)

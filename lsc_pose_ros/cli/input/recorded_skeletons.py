@@ -1,0 +1,69 @@
+"""Skeletons that a recording already holds: what a node or a replay answered."""
+
+from collections.abc import Collection
+
+from lsc_pose_ros.bags import RawReader, TopicSummary
+from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags.serialization.deserialize import DamagedMessageError, read_skeletons
+from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+
+
+def find_skeletons_topic(recording: RawReader, wanted: str, ground_truth: str) -> str:
+    """Return the topic with estimated skeletons, '' where there is none.
+
+    Args:
+        recording: the recording.
+        wanted: the topic that the user named; '' is found by type and name.
+        ground_truth: the topic of the labelled skeletons, which is not the one.
+
+    Raises:
+        InputError: the topic that was named is no such topic, or there are several.
+    """
+    clouds = [name for name, topic in recording.topics.items() if _has_clouds(topic)]
+    if wanted:
+        if wanted not in clouds:
+            msg = (
+                f'{recording.path}: {wanted} is no topic with skeletons; '
+                f'its PointCloud2 topics: {", ".join(sorted(clouds)) or "none"}'
+            )
+            raise InputError(msg)
+        return wanted
+    found = sorted(name for name in clouds if name.endswith('/skeletons') and name != ground_truth)
+    if SKELETONS_TOPIC in found:
+        return SKELETONS_TOPIC
+    if len(found) > 1:
+        msg = (
+            f'{recording.path}: several topics hold skeletons: {", ".join(found)}; '
+            'choose one with --skeletons-topic'
+        )
+        raise InputError(msg)
+    return found[0] if found else ''
+
+
+def read_skeletons_at(
+    recording: RawReader, topic: str, stamps: Collection[int]
+) -> dict[int, Skeletons]:
+    """Return the skeletons of `topic` that have one of `stamps` (nanoseconds), by stamp."""
+    found: dict[int, Skeletons] = {}
+    wanted = set(stamps)
+    for message in recording:
+        if message.topic != topic:
+            continue
+        try:
+            stamp, skeletons = read_skeletons(message.data)
+        except DamagedMessageError:
+            continue  # the reader of the frames has warned of the damage
+        except InputError as error:
+            msg = f'{recording.path}: topic {topic}: {error}'
+            raise InputError(msg) from error
+        if stamp in wanted:
+            found[stamp] = skeletons
+        if len(found) == len(wanted):
+            break
+    return found
+
+
+def _has_clouds(topic: TopicSummary) -> bool:
+    return topic.type_name == POINT_CLOUD and topic.count != 0

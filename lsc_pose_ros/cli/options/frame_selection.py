@@ -1,0 +1,62 @@
+"""Which frames of a recording to take: some spread evenly, or those with given numbers."""
+
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
+
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly
+
+
+class Numbered(NamedTuple):
+    """A frame and its place in the recording, counted from 0."""
+
+    number: int
+    frame: Frame
+
+
+def spread(frames: Iterable[Frame], wanted: int) -> list[Numbered]:
+    """Return `wanted` of `frames`, spread evenly, or all where there are fewer.
+
+    One pass over any number of frames, of which fewer than 4 `wanted` are held: every frame at
+    first, and each time that these become too many, every second of them is let go.
+    """
+    kept: list[Numbered] = []
+    stride = 1
+    for number, frame in enumerate(frames):
+        if number % stride == 0:
+            kept.append(Numbered(number, frame))
+            if len(kept) == 4 * wanted:
+                kept = kept[::2]
+                stride *= 2
+    return [kept[index] for index in choose_uniformly(len(kept), wanted)]
+
+
+def pick(frames: Iterable[Frame], numbers: Sequence[int], where: str) -> list[Numbered]:
+    """Return the frames with these numbers, in the order given.
+
+    Args:
+        frames: they are read as far as needed.
+        numbers: counted from 0.
+        where: what the frames are from, for errors.
+
+    Raises:
+        InputError: there is no frame with one of the numbers.
+    """
+    found: dict[int, Frame] = {}
+    missing = set(numbers)
+    count = 0
+    for number, frame in enumerate(frames):
+        count = number + 1
+        if number in missing:
+            found[number] = frame
+            missing.remove(number)
+        if not missing:
+            break
+    if missing:
+        msg = (
+            f'{where} has no frame {min(missing)}; '
+            f'its {count} frames are numbered from 0 to {count - 1}'
+        )
+        raise InputError(msg)
+    return [Numbered(number, found[number]) for number in numbers]

@@ -1,0 +1,41 @@
+"""The arguments that name a recording's topics: the same in every command that reads one."""
+
+import argparse
+
+from lsc_pose_ros.bags.topics import Topics
+
+_TOPICS = {
+    'depth': 'depth images',
+    'camera-info': 'camera infos of the depth images',
+    'mask': 'masks',
+    'ground-truth': 'labelled skeletons',
+}
+
+
+def add_topic_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add --mask-background, and --NAME-topic for each of the topics that make up a frame."""
+    group = parser.add_argument_group('topics of the recording')
+    for name, what in _TOPICS.items():
+        group.add_argument(
+            f'--{name}-topic',
+            default='',
+            metavar='TOPIC',
+            help=f'the {what} (default: found by type and name)',
+        )
+    group.add_argument(
+        '--mask-background',
+        type=int,
+        default=0,
+        metavar='VALUE',
+        help='the mask pixel that shows no body; 255 for Azure Kinect (default: %(default)s)',
+    )
+
+
+def topics_of(arguments: argparse.Namespace) -> Topics:
+    """Return the topics that `arguments` name; '' stands for those that they do not."""
+    return Topics(
+        depth=arguments.depth_topic,
+        camera_info=arguments.camera_info_topic,
+        mask=arguments.mask_topic,
+        ground_truth=arguments.ground_truth_topic,
+    )

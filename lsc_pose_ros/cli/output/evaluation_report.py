@@ -1,0 +1,65 @@
+"""The page that `evaluate --report` writes: reads the best and worst frames again to draw them."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from lsc_pose_ros.bags import FrameReader
+from lsc_pose_ros.cli.input.labelled_frames import read_frames
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
+from lsc_pose_ros.viz.report.ranking import rank_frames
+from lsc_pose_ros.viz.report.report import Report, write_report
+
+FRAMES_SHOWN = 8
+
+
+def report_evaluation(
+    directory: Path,
+    estimator: Estimator,
+    readers: Sequence[FrameReader],
+    results: tuple[Evaluation, Summary, float],
+    facts: dict[str, str],
+) -> Path:
+    """Write the page into `directory` and return its path.
+
+    Args:
+        directory: where the page goes; it is made if need be.
+        estimator: what was evaluated.
+        readers: the recordings, in the order of the evaluation.
+        results: the evaluation, its summary, and the tolerance in metres.
+        facts: what else the page says, by name.
+
+    Raises:
+        InputError: the page cannot be written.
+    """
+    evaluation, summary, tolerance = results
+    ranking = rank_frames(evaluation, FRAMES_SHOWN)
+    # The frames were not kept: a recording may be larger than memory.
+    drawn = _draw(estimator, readers, {*ranking.best, *ranking.worst})
+    report = Report(
+        f'How good {facts["model"]} is',
+        summary,
+        evaluation,
+        tolerance,
+        facts,
+        [drawn[number] for number in ranking.best],
+        [drawn[number] for number in ranking.worst],
+    )
+    return write_report(directory, report)
+
+
+def _draw(
+    estimator: Estimator, readers: Sequence[FrameReader], wanted: set[int]
+) -> dict[int, DrawnFrame]:
+    return {
+        number: _drawn(estimator, number, frame)
+        for number, frame in enumerate(read_frames(readers, 'drawing'))
+        if number in wanted
+    }
+
+
+def _drawn(estimator: Estimator, number: int, frame: Frame) -> DrawnFrame:
+    estimate = estimator.estimate(frame.depth, frame.labels, frame.camera)
+    return DrawnFrame(f'frame {number}', frame, estimate, estimator.model.settings)

@@ -1,0 +1,148 @@
+"""What `lsc_pose evaluate` makes of its scores: JSON, a table, and facts for the report."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.joints import names_of
+from lsc_pose_ros.evaluation.confidence_reliability import Reliability, measure_reliability
+from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary, summarise
+from lsc_pose_ros.evaluation.offsets import apply_offsets
+from lsc_pose_ros.pose.estimator import Estimator
+
+
+class Asked(NamedTuple):
+    """What was to be measured.
+
+    Attributes:
+        model: the model's file.
+        recordings: what it was measured on.
+        offsets_from: what the offsets were fitted on.
+        tolerance: how far a joint may be off to count as found, metres.
+    """
+
+    model: Path
+    recordings: Sequence[Path]
+    offsets_from: Sequence[Path]
+    tolerance: float
+
+
+class Measured(NamedTuple):
+    """What came of an evaluation.
+
+    Attributes:
+        evaluation: of the estimates as they are.
+        summary: of that.
+        offsets: what is added to the estimates, metres, shape (J, 3); None without.
+    """
+
+    evaluation: Evaluation
+    summary: Summary
+    offsets: NDArray[np.float32] | None
+
+
+def evaluation_results(asked: Asked, estimator: Estimator, measured: Measured) -> dict[str, Any]:
+    """Return all results by name, as --json writes them."""
+    evaluation, summary, offsets = measured
+    settings, calibrated = estimator.model.settings, len(estimator.model.calibration) > 0
+    milliseconds = 1000 * evaluation.seconds
+    results = {
+        'frames': len(evaluation.seconds),
+        'people': len(evaluation.errors),
+        'tolerance_m': asked.tolerance,
+        **_scores(evaluation, summary, calibrated=calibrated),
+        'ms_per_frame': {
+            'p50': float(np.percentile(milliseconds, 50)),
+            'p95': float(np.percentile(milliseconds, 95)),
+        },
+        'model': str(asked.model),
+        'recordings': [str(recording) for recording in asked.recordings],
+        'graph': estimator.graph,
+        'query_points': settings.query_points,
+        'feature': settings.feature,
+        'sample': settings.sample,
+    }
+    if offsets is not None:
+        moved = apply_offsets(evaluation, offsets)
+        results['with_offsets'] = {
+            **_scores(moved, summarise(moved, asked.tolerance), calibrated=calibrated),
+            'offsets_m': dict(zip(names_of(moved.joints), offsets.tolist(), strict=True)),
+            'offsets_from': [str(recording) for recording in asked.offsets_from],
+        }
+    return results
+
+
+def _scores(evaluation: Evaluation, summary: Summary, *, calibrated: bool) -> dict[str, Any]:
+    """Return what an offset changes of the results."""
+    return {
+        'mean_error_m': summary.mean_error_m,
+        'map': summary.map,
+        'joints': {name: score._asdict() for name, score in summary.joints.items()},
+        'confidence': _confidence(measure_reliability(evaluation), calibrated=calibrated),
+    }
+
+
+def _confidence(reliability: Reliability, *, calibrated: bool) -> dict[str, Any]:
+    """Return how far confidence is to be believed, in words that JSON has."""
+    return {
+        'calibrated': calibrated,
+        **reliability._asdict(),
+        'bins': [each._asdict() for each in reliability.bins],
+    }
+
+
+def evaluation_facts(results: dict[str, Any]) -> dict[str, str]:
+    """Return what the report says beside the scores."""
+    times = results['ms_per_frame']
+    facts = {
+        'model': Path(results['model']).name,
+        'recordings': ', '.join(Path(name).name for name in results['recordings']),
+        'graph': 'on' if results['graph'] else 'off',
+        'confidence': _words_on(results['confidence']),
+        'time a frame': f'{times["p50"]:.1f} ms (95 % within {times["p95"]:.1f} ms)',
+    }
+    if 'with_offsets' in results:
+        moved = results['with_offsets']
+        names = ', '.join(Path(name).name for name in moved['offsets_from'])
+        facts['with constant offsets'] = (
+            f'{100 * moved["map"]:.1f} % within {100 * results["tolerance_m"]:g} cm, mean error '
+            f'{100 * moved["mean_error_m"]:.1f} cm (fitted on {names}; not in the plots)'
+        )
+    return facts
+
+
+def _words_on(confidence: dict[str, Any]) -> str:
+    words = f'off by {100 * confidence["ece"]:.1f} % (expected calibration error)'
+    return words if confidence['calibrated'] else f'{words}, not calibrated'
+
+
+def evaluation_table(results: dict[str, Any]) -> str:
+    """Return the scores, joint by joint, with and without offsets where there are any."""
+    within = f'within {100 * results["tolerance_m"]:g} cm'
+    moved = results.get('with_offsets')
+    head = f'{"joint":<12}{"error cm":>9}{within:>16}{"n":>8}'
+    lines = [f'{head}{"with offsets: error cm":>25}{within:>16}' if moved else head]
+    for name, score in results['joints'].items():
+        line = f'{name:<12}{_cells(score["mean_error_m"], score["ap"])}{score["n"]:>8}'
+        if moved:
+            other = moved['joints'][name]
+            line += f'{"":>16}{_cells(other["mean_error_m"], other["ap"])}'
+        lines.append(line)
+    mean = f'{"mean":<12}{_cells(results["mean_error_m"], results["map"])}'
+    if moved:
+        mean += f'{"":>24}{_cells(moved["mean_error_m"], moved["map"])}'
+    lines.append(mean)
+    times = results['ms_per_frame']
+    lines.append(
+        f'{results["frames"]} frames, {times["p50"]:.1f} ms a frame '
+        f'(95 % within {times["p95"]:.1f} ms)'
+    )
+    lines.append(f'confidence {_words_on(results["confidence"])}')
+    return '\n'.join(lines)
+
+
+def _cells(error: float, share: float) -> str:
+    return f'{100 * error:>9.1f}{100 * share:>14.1f} %'

@@ -1,1 +1,0 @@
-"""Recordings, importers, model files and synthetic people; imports core, never rclpy."""

@@ -1,1 +1,0 @@
-"""Synthetic people: bodies of simple solids, their motion, rendering and sensor noise."""

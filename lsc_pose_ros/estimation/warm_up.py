@@ -1,0 +1,57 @@
+"""Compiles what estimation needs before the first frame comes, or loads it from the disk."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.messages.rvl import decode_rvl
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
+
+_DISTANCE = np.float32(2.0)
+_CAMERA = Intrinsics(285.0, 285.0, 160.0, 120.0)
+
+# A figure in an image of 320 x 240: head, trunk with arms spread, legs. Top, bottom, left, right.
+_FIGURE = ((20, 50, 148, 172), (50, 130, 135, 185), (58, 70, 70, 250), (130, 220, 137, 155),
+           (130, 220, 165, 183))  # fmt: skip
+
+# RVL for four pixels that are 0.
+_EMPTY_RVL = bytes((0, 0, 0, 0x40))
+
+
+def warm_up(estimator: Estimator) -> Skeletons:
+    """Let `estimator` look at a drawn figure, so that all kernels for its frames are compiled.
+
+    Those that read a compressed depth image are, too.
+
+    Returns:
+        what it sees in the figure, body 1.
+    """
+    figure = _draw_figure()
+    labels = np.where(figure, np.int32(1), np.int32(NO_BODY))
+    decode_rvl(_EMPTY_RVL, 4)
+    return estimator.estimate(np.where(figure, _DISTANCE, np.float32(0)), labels, _CAMERA)
+
+
+def warm_up_segmenter(segmenter: Segmenter, seconds: float) -> None:
+    """Let `segmenter` look at a wall, and then at the figure before it.
+
+    Args:
+        segmenter: a new one; it is of no use afterwards.
+        seconds: how long it learns the wall.
+    """
+    wall = np.full((240, 320), 2 * _DISTANCE, np.float32)
+    duration = round(seconds * 1e9)
+    segment(segmenter, 0, wall, _CAMERA)
+    segment(segmenter, duration, wall, _CAMERA)
+    figure = np.where(_draw_figure(), _DISTANCE, wall)
+    segment(segmenter, 2 * duration, figure, _CAMERA)
+
+
+def _draw_figure() -> NDArray[np.bool_]:
+    figure = np.zeros((240, 320), np.bool_)
+    for top, bottom, left, right in _FIGURE:
+        figure[top:bottom, left:right] = True
+    return figure

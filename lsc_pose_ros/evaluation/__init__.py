@@ -1,0 +1,1 @@
+"""Measures how accurate and how fast a model is."""

@@ -1,0 +1,101 @@
+"""Whether confidence can be believed: of the joints with confidence c, a share c should be near.
+
+The expected calibration error is the mean over all labelled joints of |confidence - share|, both
+taken in bins of confidence (Naeini, Cooper, Hauskrecht, AAAI 2015). A constant confidence can have
+none of it; the Brier score, the mean of (confidence - outcome)^2, tells who knows more.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.joints import names_of
+from lsc_pose_ros.evaluation.evaluate import Evaluation
+from lsc_pose_ros.pose.inference.confidence import NEAR
+
+BINS = 10
+
+
+class Bin(NamedTuple):
+    """The joints with a confidence of `least` up to `most`.
+
+    Attributes:
+        least: inclusive.
+        most: exclusive, but for the last bin.
+        confidence: their mean confidence.
+        share: which share of them lies within NEAR of the truth.
+        n: how many they are.
+    """
+
+    least: float
+    most: float
+    confidence: float
+    share: float
+    n: int
+
+
+class Reliability(NamedTuple):
+    """How far confidence is to be believed.
+
+    Attributes:
+        within_m: NEAR, which distance from the truth is as good as claimed, metres.
+        ece: the expected calibration error over all labelled joints.
+        brier: their Brier score.
+        joints: the expected calibration error of each joint by name.
+        bins: the bins that are not empty, over all labelled joints.
+    """
+
+    within_m: float
+    ece: float
+    brier: float
+    joints: dict[str, float]
+    bins: list[Bin]
+
+
+def measure_reliability(evaluation: Evaluation) -> Reliability:
+    """Return how well the confidences of `evaluation` fit its errors.
+
+    A joint that was not estimated has confidence 0 and is not near.
+    """
+    labelled = ~np.isnan(evaluation.errors)
+    near = evaluation.errors <= NEAR
+    confidence = evaluation.confidence.astype(np.float64)
+    outcomes = near[labelled]
+    bins = bin_by_confidence(confidence[labelled], outcomes)
+    joints = {
+        name: expected_error(bin_by_confidence(confidence[mine, j], near[mine, j]))
+        for j, (name, mine) in enumerate(zip(names_of(evaluation.joints), labelled.T, strict=True))
+        if mine.any()
+    }
+    brier = float(np.mean((confidence[labelled] - outcomes) ** 2))
+    return Reliability(NEAR, expected_error(bins), brier, joints, bins)
+
+
+def bin_by_confidence(
+    confidence: NDArray[np.float64], near: NDArray[np.bool_], count: int = BINS
+) -> list[Bin]:
+    """Return the bins, of `count` evenly spaced ones, that are not empty.
+
+    Args:
+        confidence: 0 to 1, shape (n,).
+        near: whether the joint is as near as claimed, shape (n,).
+        count: how many bins.
+    """
+    numbers = np.minimum((confidence * count).astype(np.int64), count - 1)
+    return [
+        Bin(
+            int(number) / count,
+            (int(number) + 1) / count,
+            float(confidence[numbers == number].mean()),
+            float(near[numbers == number].mean()),
+            int((numbers == number).sum()),
+        )
+        for number in np.unique(numbers)
+    ]
+
+
+def expected_error(bins: list[Bin]) -> float:
+    """Return the expected calibration error: sum over bins of n/N |confidence - share|."""
+    total = sum(each.n for each in bins)
+    return sum(each.n * abs(each.confidence - each.share) for each in bins) / total

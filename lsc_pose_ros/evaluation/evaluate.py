@@ -1,0 +1,195 @@
+"""How good a model is: the errors of its joints against labelled frames (paper, section 4.4)."""
+
+import time
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.joints import names_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.training.samples import select_joints
+
+
+class Evaluation(NamedTuple):
+    """The errors of P labelled people in F frames.
+
+    Attributes:
+        joints: the joints' numbers, shape (J,).
+        errors: the distance between estimate and truth, metres, shape (P, J); NaN where there is
+            no truth, infinity where there is no estimate.
+        frames: in which of the frames, counted from 0, each person is, shape (P,).
+        bodies: the number of each person in the mask, shape (P,).
+        seconds: how long each frame took, shape (F,).
+        confidence: in each joint, 0 where there is no estimate, shape (P, J).
+        differences: truth minus estimate in the camera frame, metres, shape (P, J, 3); NaN where
+            either is lacking.
+    """
+
+    joints: NDArray[np.uint16]
+    errors: NDArray[np.float32]
+    frames: NDArray[np.int64]
+    bodies: NDArray[np.uint16]
+    seconds: NDArray[np.float64]
+    confidence: NDArray[np.float32]
+    differences: NDArray[np.float32]
+
+
+class JointScore(NamedTuple):
+    """One joint's score.
+
+    Attributes:
+        mean_error_m: over the people for whom it was estimated, NaN where there is none.
+        ap: the share of people in which it lies within the tolerance; a joint that was not
+            estimated does not.
+        n: how many people have it labelled.
+    """
+
+    mean_error_m: float
+    ap: float
+    n: int
+
+
+class Summary(NamedTuple):
+    """The scores over all joints that are labelled.
+
+    Attributes:
+        mean_error_m: the mean of the joints' mean errors.
+        map: the mean of the joints' shares within the tolerance.
+        joints: each joint's score by name.
+    """
+
+    mean_error_m: float
+    map: float
+    joints: dict[str, JointScore]
+
+
+def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
+    """Return the errors of `estimator` on every labelled person of `frames`.
+
+    A person is known by the number in the mask.
+
+    Raises:
+        InputError: no frame is labelled, or no mask shows anybody.
+    """
+    errors: list[NDArray[np.float32]] = []
+    places: list[NDArray[np.int64]] = []
+    bodies: list[NDArray[np.uint16]] = []
+    seconds: list[float] = []
+    confidence: list[NDArray[np.float32]] = []
+    differences: list[NDArray[np.float32]] = []
+    seen = 0
+    for number, frame in enumerate(frames):
+        begin = time.perf_counter()
+        skeletons = estimator.estimate(frame.depth, frame.labels, frame.camera)
+        seconds.append(time.perf_counter() - begin)
+        seen += len(skeletons.bodies)
+        if frame.ground_truth is not None and len(frame.ground_truth.bodies):
+            errors.append(joint_errors(skeletons, frame.ground_truth))
+            confidence.append(joint_confidence(skeletons, frame.ground_truth))
+            differences.append(joint_differences(skeletons, frame.ground_truth))
+            bodies.append(frame.ground_truth.bodies)
+            places.append(np.full(len(frame.ground_truth.bodies), number))
+    if not errors:
+        msg = 'no frame has a labelled person; evaluation needs a recording with ground truth'
+        raise InputError(msg)
+    if not seen:
+        msg = f'the masks of all {len(seconds)} frames are empty; is --mask-background right?'
+        raise InputError(msg)
+    return Evaluation(
+        estimator.joints,
+        np.concatenate(errors),
+        np.concatenate(places),
+        np.concatenate(bodies),
+        np.array(seconds),
+        np.concatenate(confidence),
+        np.concatenate(differences),
+    )
+
+
+def select(evaluation: Evaluation, joints: NDArray[np.uint16]) -> Evaluation:
+    """Return `evaluation` of these `joints` only, shape (J',); in the order of the model.
+
+    Raises:
+        InputError: the model does not estimate one of them.
+    """
+    missing = joints[~np.isin(joints, evaluation.joints)]
+    if len(missing):
+        msg = (
+            f'the model does not estimate {", ".join(names_of(missing))}; '
+            f'its joints are {", ".join(names_of(evaluation.joints))}'
+        )
+        raise InputError(msg)
+    kept = np.isin(evaluation.joints, joints)
+    return evaluation._replace(
+        joints=evaluation.joints[kept],
+        errors=evaluation.errors[:, kept],
+        confidence=evaluation.confidence[:, kept],
+        differences=evaluation.differences[:, kept],
+    )
+
+
+def joint_errors(estimate: Skeletons, ground_truth: Skeletons) -> NDArray[np.float32]:
+    """Return the distances between `estimate` and each body of `ground_truth`, metres, (B, J).
+
+    J are the joints of `estimate`. NaN where there is no truth, infinity where no estimate.
+    """
+    difference = joint_differences(estimate, ground_truth)
+    labelled = ~np.isnan(select_joints(ground_truth, estimate.joints)[..., 0])
+    distance: NDArray[np.float32] = np.linalg.norm(difference, axis=-1).astype(np.float32)
+    distance[np.isnan(distance) & labelled] = np.inf
+    return distance
+
+
+def joint_differences(estimate: Skeletons, ground_truth: Skeletons) -> NDArray[np.float32]:
+    """Return `ground_truth` minus `estimate`, metres, NaN where one is missing, (B, J, 3)."""
+    wanted = select_joints(ground_truth, estimate.joints)
+    found = np.full_like(wanted, np.nan)
+    for b, row in _rows_of(ground_truth, estimate):
+        found[b] = estimate.positions[row]
+    difference: NDArray[np.float32] = wanted - found
+    return difference
+
+
+def joint_confidence(estimate: Skeletons, ground_truth: Skeletons) -> NDArray[np.float32]:
+    """Return the confidence of each body of `ground_truth`, 0 if not estimated, (B, J)."""
+    confidence = np.zeros((len(ground_truth.bodies), len(estimate.joints)), np.float32)
+    for b, row in _rows_of(ground_truth, estimate):
+        confidence[b] = estimate.confidence[row]
+    return confidence
+
+
+def _rows_of(ground_truth: Skeletons, estimate: Skeletons) -> list[tuple[int, int]]:
+    """Return the rows of each body that is in both."""
+    rows = {int(number): row for row, number in enumerate(estimate.bodies)}
+    return [
+        (b, rows[int(number)])
+        for b, number in enumerate(ground_truth.bodies)
+        if int(number) in rows
+    ]
+
+
+def summarise(evaluation: Evaluation, tolerance: float) -> Summary:
+    """Return the scores; `tolerance` in metres (the paper's tau: 0.1)."""
+    joints: dict[str, JointScore] = {}
+    for name, errors in zip(names_of(evaluation.joints), evaluation.errors.T, strict=True):
+        labelled = errors[~np.isnan(errors)]
+        answered = labelled[np.isfinite(labelled)]
+        if len(labelled):
+            joints[name] = JointScore(
+                float(answered.mean()) if len(answered) else float('nan'),
+                float((labelled <= tolerance).mean()),
+                len(labelled),
+            )
+    if not joints:
+        msg = 'the recordings label none of the joints that the model estimates'
+        raise InputError(msg)
+    return Summary(
+        float(np.nanmean([score.mean_error_m for score in joints.values()])),
+        float(np.mean([score.ap for score in joints.values()])),
+        joints,
+    )

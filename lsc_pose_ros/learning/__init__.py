@@ -1,1 +1,0 @@
-"""Growing trees, fitting leaves, evaluating; imports core only."""

@@ -1,0 +1,66 @@
+"""What a sensor_msgs/CameraInfo says of the images that come with it."""
+
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.errors import InputError
+
+
+class Region(Protocol):
+    """The fields that are used of a sensor_msgs/RegionOfInterest."""
+
+    x_offset: int
+    y_offset: int
+    height: int
+    width: int
+
+
+class CameraInfoFields(Protocol):
+    """The fields that are used of a sensor_msgs/CameraInfo, whichever library's class it is."""
+
+    height: int
+    width: int
+    k: Sequence[float] | NDArray[np.float64]
+    binning_x: int
+    binning_y: int
+    roi: Region
+
+
+class ImageCamera(NamedTuple):
+    """The camera of the images as they come: their size in pixels, 0 if not given, and K."""
+
+    height: int
+    width: int
+    camera: Intrinsics
+
+
+def image_camera(info: CameraInfoFields) -> ImageCamera:
+    """Return the camera for the images that come with `info`.
+
+    Width, height and K are those of the whole sensor: where the camera sends a region of it or
+    joins pixels (binning), its images are smaller and K is adapted to them.
+
+    Raises:
+        InputError: K is no pinhole camera's.
+    """
+    fx, fy, cx, cy = (float(info.k[index]) for index in (0, 4, 2, 5))
+    if not (fx > 0 and fy > 0 and np.isfinite([fx, fy, cx, cy]).all()):
+        what = 'is all zero' if not np.any(info.k) else 'has no positive focal lengths'
+        msg = f'the matrix K of the camera info {what}; the camera must be calibrated'
+        raise InputError(msg)
+    columns, rows = max(info.binning_x, 1), max(info.binning_y, 1)
+    region = info.roi
+    return ImageCamera(
+        (region.height or info.height) // rows,
+        (region.width or info.width) // columns,
+        Intrinsics(
+            fx / columns,
+            fy / rows,
+            (cx - region.x_offset) / columns,
+            (cy - region.y_offset) / rows,
+        ),
+    )

@@ -1,0 +1,140 @@
+"""Image bytes to metres and to body numbers.
+
+Depth follows REP-118: the encoding decides what a pixel means, never a setting.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.errors import InputError
+
+METRES_PER_MILLIMETRE = np.float32(0.001)
+
+DEPTH_TYPES: dict[str, np.dtype[np.generic]] = {
+    '16UC1': np.dtype('u2'),
+    'mono16': np.dtype('u2'),  # what some drivers call 16UC1
+    '32FC1': np.dtype('f4'),
+}
+MASK_TYPES: dict[str, np.dtype[np.generic]] = {
+    'mono8': np.dtype('u1'),
+    '8UC1': np.dtype('u1'),
+    '16UC1': np.dtype('u2'),
+    'mono16': np.dtype('u2'),
+    '32SC1': np.dtype('i4'),
+}
+
+
+class ImageLayout(NamedTuple):
+    """How the bytes of a sensor_msgs/Image lie: the message's own fields."""
+
+    encoding: str
+    height: int
+    width: int
+    step: int
+    big_endian: bool
+
+
+def decode_depth(data: NDArray[np.uint8] | bytes, layout: ImageLayout) -> NDArray[np.float32]:
+    """Return a depth image in metres, shape (H, W), 0 where the sensor saw nothing.
+
+    Args:
+        data: the image's bytes; they are not copied before the conversion.
+        layout: the message's fields.
+
+    Raises:
+        InputError: the encoding is not one of REP-118, or the bytes do not fill the image.
+    """
+    pixels = view_pixels(data, layout, DEPTH_TYPES, 'depth image')
+    return depth_to_metres(pixels)
+
+
+def depth_to_metres(pixels: NDArray[np.generic]) -> NDArray[np.float32]:
+    """Return pixels in millimetres (integers) or metres (floats), shape (H, W), as valid metres.
+
+    0, NaN, infinity and negative values all mean that the sensor saw nothing, and become 0.
+    """
+    if pixels.dtype.kind == 'u':
+        return pixels.astype(np.float32) * METRES_PER_MILLIMETRE
+    metres = pixels.astype(np.float32)
+    metres[~(np.isfinite(metres) & (metres > 0))] = 0
+    return metres
+
+
+def decode_mask(
+    data: NDArray[np.uint8] | bytes, layout: ImageLayout, background: int = 0
+) -> NDArray[np.int32]:
+    """Return the number of the body that each pixel shows, shape (H, W), NO_BODY for none.
+
+    Args:
+        data: the image's bytes.
+        layout: the message's fields.
+        background: the pixel value that stands for no body (255 in Azure Kinect's index map).
+
+    Raises:
+        InputError: the encoding is unknown, the bytes do not fill the image, or a body number
+            does not fit the message's UINT16.
+    """
+    pixels = view_pixels(data, layout, MASK_TYPES, 'mask')
+    return label_pixels(pixels, background)
+
+
+def label_pixels(pixels: NDArray[np.generic], background: int = 0) -> NDArray[np.int32]:
+    """Return mask pixels, shape (H, W), as labels: the pixel's value, or NO_BODY.
+
+    Raises:
+        InputError: a body number is not within 0 to 65535.
+    """
+    empty = pixels == background
+    labels = pixels.astype(np.int32)
+    if pixels.dtype.kind == 'i':
+        _check_numbers(labels, ~empty)
+    np.copyto(labels, np.int32(NO_BODY), where=empty)
+    return labels
+
+
+def _check_numbers(labels: NDArray[np.int32], foreground: NDArray[np.bool_]) -> None:
+    wrong = foreground & ((labels < 0) | (labels > np.iinfo(np.uint16).max))
+    if wrong.any():
+        msg = (
+            f'the mask holds the body number {int(labels[wrong][0])}; '
+            'numbers must lie between 0 and 65535 (is mask_background right?)'
+        )
+        raise InputError(msg)
+
+
+def view_pixels(
+    data: NDArray[np.uint8] | bytes,
+    layout: ImageLayout,
+    types: dict[str, np.dtype[np.generic]],
+    what: str,
+) -> NDArray[np.generic]:
+    """Return the pixels that `data` holds, shape (H, W), without copying them.
+
+    Args:
+        data: the image's bytes.
+        layout: the message's fields.
+        types: the encodings that are understood, with the type of a pixel.
+        what: what the image is, for the error's sentence.
+
+    Raises:
+        InputError: the encoding is unknown or the bytes do not fill the image.
+    """
+    if layout.encoding not in types:
+        msg = f'{what}: unknown encoding {layout.encoding!r}; it must be one of {", ".join(types)}'
+        raise InputError(msg)
+    pixel = types[layout.encoding].newbyteorder('>' if layout.big_endian else '<')
+    values = np.frombuffer(data, np.uint8)
+    height, width, step = layout.height, layout.width, layout.step
+    if height < 1 or width < 1 or step < width * pixel.itemsize or len(values) < height * step:
+        msg = (
+            f'{what}: {len(values)} bytes do not fill {width} x {height} pixels of '
+            f'{layout.encoding} at {step} bytes a row; the publisher sends a broken image'
+        )
+        raise InputError(msg)
+    rows = values[: height * step].reshape(height, step)[:, : width * pixel.itemsize]
+    if step % pixel.itemsize:
+        rows = np.ascontiguousarray(rows)
+    return rows.view(pixel)

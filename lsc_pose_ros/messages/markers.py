@@ -1,0 +1,153 @@
+"""Skeletons as shapes to draw, the same for the live node and for a recording."""
+
+from collections.abc import Collection
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.skeletons import Skeletons
+
+NAMESPACE_JOINTS = 'joints'
+NAMESPACE_BONES = 'bones'
+JOINT_DIAMETER = 0.06
+BONE_WIDTH = 0.02
+LIFETIME_NS = 500_000_000
+
+# A joint of no confidence still shows faintly; invisible it would look like a missing one.
+_LEAST_ALPHA = 0.25
+
+# Colours that the colour-blind can tell apart (Okabe and Ito), and a grey.
+_COLOURS = np.array(
+    [
+        (0.00, 0.45, 0.70),
+        (0.90, 0.62, 0.00),
+        (0.00, 0.62, 0.45),
+        (0.80, 0.47, 0.65),
+        (0.34, 0.71, 0.91),
+        (0.84, 0.37, 0.00),
+        (0.94, 0.89, 0.26),
+        (0.60, 0.60, 0.60),
+    ],
+    dtype=np.float32,
+)
+
+
+class MarkerShape(NamedTuple):
+    """One visualization_msgs/Marker, in no message's terms.
+
+    Attributes:
+        namespace: with `identifier`, what names the marker.
+        identifier: the body's number.
+        kind: 'spheres', one at each point, or 'lines', one between each two points.
+        action: 'add' draws or replaces, 'delete' removes.
+        points: metres in the camera's optical frame, shape (n, 3).
+        colours: red, green, blue, alpha of each point, 0 to 1, shape (n, 4).
+        size: the spheres' diameter or the lines' width in metres.
+        lifetime_ns: how long it stays when nothing replaces it, in nanoseconds.
+    """
+
+    namespace: str
+    identifier: int
+    kind: Literal['spheres', 'lines']
+    action: Literal['add', 'delete']
+    points: NDArray[np.float32]
+    colours: NDArray[np.float32]
+    size: float
+    lifetime_ns: int
+
+
+class MarkerStyle(NamedTuple):
+    """How skeletons are drawn.
+
+    Attributes:
+        minimum_confidence: joints below it are left out.
+        lifetime_ns: how long a shape stays when nothing replaces it, in nanoseconds.
+    """
+
+    minimum_confidence: float = 0.0
+    lifetime_ns: int = LIFETIME_NS
+
+
+class Drawing:
+    """The shapes of one frame after the other; those of a body that left are deleted."""
+
+    def __init__(self, edges: NDArray[np.int32]) -> None:
+        """Begin with nothing drawn.
+
+        Args:
+            edges: the bones, pairs of indices into the joints, shape (E, 2).
+        """
+        self._edges = edges
+        self._drawn: frozenset[int] = frozenset()
+
+    def shapes(self, skeletons: Skeletons, style: MarkerStyle) -> list[MarkerShape]:
+        """Return what turns the last frame's picture into that of `skeletons`."""
+        bodies = frozenset(skeletons.bodies.tolist())
+        shapes = skeleton_markers(
+            skeletons,
+            self._edges,
+            minimum_confidence=style.minimum_confidence,
+            gone=self._drawn - bodies,
+        )
+        self._drawn = bodies
+        return [shape._replace(lifetime_ns=style.lifetime_ns) for shape in shapes]
+
+
+def skeleton_markers(
+    skeletons: Skeletons,
+    edges: NDArray[np.int32],
+    *,
+    minimum_confidence: float = 0.0,
+    gone: Collection[int] = frozenset(),
+) -> list[MarkerShape]:
+    """Return the shapes that draw `skeletons`: for each body its joints and its bones.
+
+    Args:
+        skeletons: B bodies of J joints.
+        edges: pairs of indices into the joints, shape (E, 2).
+        minimum_confidence: joints below it are left out.
+        gone: numbers of the bodies that were drawn before and are to be removed.
+    """
+    shapes = [shape for body in sorted(gone) for shape in _deleted(int(body))]
+    for row, body in enumerate(skeletons.bodies):
+        positions, confidence = skeletons.positions[row], skeletons.confidence[row]
+        seen = np.isfinite(positions).all(axis=1) & (confidence >= minimum_confidence)
+        colours = _colours(int(body), confidence)
+        both = edges[seen[edges].all(axis=1)].reshape(-1)
+        shapes.append(_added(int(body), 'spheres', positions[seen], colours[seen]))
+        shapes.append(_added(int(body), 'lines', positions[both], colours[both]))
+    return shapes
+
+
+def _colours(body: int, confidence: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return a colour a joint, shape (J, 4): the body's, the fainter the less sure."""
+    colours = np.empty((len(confidence), 4), np.float32)
+    colours[:, :3] = _COLOURS[body % len(_COLOURS)]
+    colours[:, 3] = _LEAST_ALPHA + (1 - _LEAST_ALPHA) * np.clip(np.nan_to_num(confidence), 0, 1)
+    return colours
+
+
+def _added(
+    body: int,
+    kind: Literal['spheres', 'lines'],
+    points: NDArray[np.float32],
+    colours: NDArray[np.float32],
+) -> MarkerShape:
+    spheres = kind == 'spheres'
+    return MarkerShape(
+        namespace=NAMESPACE_JOINTS if spheres else NAMESPACE_BONES,
+        identifier=body,
+        kind=kind,
+        # RViz complains of a list without points, and an old shape must not stay in its place.
+        action='add' if len(points) else 'delete',
+        points=points,
+        colours=colours,
+        size=JOINT_DIAMETER if spheres else BONE_WIDTH,
+        lifetime_ns=LIFETIME_NS,
+    )
+
+
+def _deleted(body: int) -> list[MarkerShape]:
+    nothing = np.zeros((0, 3), np.float32), np.zeros((0, 4), np.float32)
+    return [_added(body, 'spheres', *nothing), _added(body, 'lines', *nothing)]

@@ -1,0 +1,104 @@
+"""Skeletons as TF frames, named and laid out as REP-155 says."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.bags.serialization.type_store import message_class, typestore
+from lsc_pose_ros.data_types.body_frame import body_frame, quaternion
+from lsc_pose_ros.data_types.joints import names_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
+
+TF_MESSAGE = 'tf2_msgs/msg/TFMessage'
+
+_NO_ROTATION = (0.0, 0.0, 0.0, 1.0)
+_SECOND_NS = 1_000_000_000
+
+
+class Transform(NamedTuple):
+    """One frame within another.
+
+    Attributes:
+        parent: the name of the other frame.
+        child: the name of the frame.
+        translation: its origin, metres.
+        rotation: its axes, a unit quaternion (x, y, z, w).
+    """
+
+    parent: str
+    child: str
+    translation: tuple[float, ...]
+    rotation: tuple[float, ...]
+
+
+def skeleton_transforms(
+    skeletons: Skeletons, frame_id: str, minimum_confidence: float = 0.0
+) -> list[Transform]:
+    """Return the frames of all bodies: `body_<number>` and, in it, one for each joint.
+
+    The body's frame lies midway between the hips, x forward, z towards the head; the joints'
+    frames have its axes. The joints of a body whose hips are unknown lie in the camera's frame.
+
+    Args:
+        skeletons: the bodies.
+        frame_id: the camera's optical frame.
+        minimum_confidence: joints below it are left out, as are those that are NaN.
+    """
+    names = names_of(skeletons.joints)
+    transforms: list[Transform] = []
+    for row, body in enumerate(skeletons.bodies.tolist()):
+        sure = skeletons.confidence[row] >= minimum_confidence
+        positions = np.where(sure[:, None], skeletons.positions[row], np.float32(np.nan))
+        parent, places = frame_id, positions.astype(np.float64)
+        frame = body_frame(skeletons.joints, positions)
+        if frame is not None:
+            parent, places = f'body_{body}', frame.inside(positions)
+            transforms.append(
+                Transform(
+                    frame_id, parent, _numbers(frame.origin), _numbers(quaternion(frame.axes))
+                )
+            )
+        transforms += [
+            Transform(parent, f'{name}_{body}', _numbers(place), _NO_ROTATION)
+            for name, place in zip(names, places, strict=True)
+            if np.isfinite(place).all()
+        ]
+    return transforms
+
+
+def transforms_message(stamp: int, transforms: list[Transform]) -> bytes:
+    """Return `transforms` as a serialised tf2_msgs/TFMessage.
+
+    Args:
+        stamp: the depth image's, nanoseconds.
+        transforms: the frames.
+    """
+    seconds, nanoseconds = divmod(stamp, _SECOND_NS)
+    time = message_class('builtin_interfaces/msg/Time')(sec=seconds, nanosec=nanoseconds)
+    header, stamped = (
+        message_class('std_msgs/msg/Header'),
+        message_class('geometry_msgs/msg/TransformStamped'),
+    )
+    transform, vector, turn = (
+        message_class('geometry_msgs/msg/Transform'),
+        message_class('geometry_msgs/msg/Vector3'),
+        message_class('geometry_msgs/msg/Quaternion'),
+    )
+    message = message_class(TF_MESSAGE)(
+        transforms=[
+            stamped(
+                header=header(stamp=time, frame_id=each.parent),
+                child_frame_id=each.child,
+                transform=transform(
+                    translation=vector(*each.translation), rotation=turn(*each.rotation)
+                ),
+            )
+            for each in transforms
+        ]
+    )
+    return bytes(typestore().serialize_cdr(message, TF_MESSAGE, little_endian=True))
+
+
+def _numbers(values: NDArray[np.float64]) -> tuple[float, ...]:
+    return tuple(values.tolist())

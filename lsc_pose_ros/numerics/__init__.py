@@ -1,0 +1,1 @@
+"""How the numeric kernels are compiled and cached, and fast elementary functions."""

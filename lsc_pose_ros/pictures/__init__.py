@@ -1,1 +1,0 @@
-"""Pictures and reports drawn from arrays; imports core and learning only."""

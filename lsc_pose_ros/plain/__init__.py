@@ -1,0 +1,1 @@
+"""The hot kernels once more, written as their equations read."""

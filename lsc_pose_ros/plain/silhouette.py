@@ -1,0 +1,50 @@
+"""The Gaussian filter of eq. 1, pixel by pixel."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.numerics.jit import kernel
+from lsc_pose_ros.pose.silhouette.preprocessing import Window
+
+
+@kernel
+def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float32]:
+    """Return the window's depth after the Gaussian filter of eq. 1, shape as before.
+
+    Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
+    exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points.
+
+    Args:
+        window: the body; its border row and column hold no body.
+        camera: the intrinsics of the whole image.
+        sigma: metres; 0 leaves the depth as it is.
+    """
+    depth = window.depth
+    smoothed = depth.copy()
+    if sigma <= 0:
+        return smoothed
+    scale = -0.5 / (sigma * sigma)
+    for i in range(1, depth.shape[0] - 1):
+        for j in range(1, depth.shape[1] - 1):
+            z = depth[i, j]
+            if not math.isfinite(z):
+                continue
+            x = (window.column + j - camera.cx) / camera.fx
+            y = (window.row + i - camera.cy) / camera.fy
+            total, weights = 0.0, 0.0
+            for di in range(-1, 2):
+                for dj in range(-1, 2):
+                    other = depth[i + di, j + dj]
+                    if not math.isfinite(other):
+                        continue
+                    dx = (x + dj / camera.fx) * other - x * z
+                    dy = (y + di / camera.fy) * other - y * z
+                    dz = other - z
+                    weight = math.exp(scale * (dx * dx + dy * dy + dz * dz))
+                    total += weight * other
+                    weights += weight
+            smoothed[i, j] = total / weights
+    return smoothed

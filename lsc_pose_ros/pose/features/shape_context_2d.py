@@ -1,0 +1,81 @@
+"""The 2-D shape context of silhouette points: 2DSC, a rival of the paper's feature.
+
+It is the paper's descriptor without depth: A. Agarwal and B. Triggs, "Recovering 3D human pose
+from monocular images", PAMI 28(1), 2006, have the same 5 radius and 12 azimuth bins over the
+silhouette in the image, and do not turn with the local direction either.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.numerics.jit import kernel
+
+RADIUS_BINS = 5
+AZIMUTH_BINS = 12
+SIZE = RADIUS_BINS * AZIMUTH_BINS
+
+# A bin is kept as the byte LEVEL_SCALE * sqrt(h). Sixty bins fill more than 360 do, so that, other
+# than in the 3-D descriptor, none may be cut off.
+LEVEL_SCALE = 255.0
+
+
+@kernel
+def describe_in_image(
+    pixels: NDArray[np.float32],
+    centres: NDArray[np.int64],
+    radius: float,
+    inner_radius: float,
+) -> NDArray[np.uint8]:
+    """Return the 2-D shape contexts of some of the points as levels, shape (Q, 60).
+
+    The bins are radius x azimuth. Every other point within `radius` adds the weight 1, split over
+    the two nearest bin centres of both dimensions: the logarithm of the distance (clamped at the
+    ends), and the azimuth (it wraps). A level is round(LEVEL_SCALE sqrt(h)), h the bin's share of
+    all weight.
+
+    Args:
+        pixels: column and row of each point, shape (N, 2).
+        centres: which of the points are described, shape (Q,); all points are their context.
+        radius: how far a descriptor reaches, pixels.
+        inner_radius: the inner limit of the first radius bin, as a share of `radius`; what is
+            nearer counts there.
+    """
+    quantised = np.empty((centres.shape[0], SIZE), np.uint8)
+    histogram = np.empty((RADIUS_BINS, AZIMUTH_BINS))
+    per_log = RADIUS_BINS / -math.log(inner_radius)
+    for q in range(centres.shape[0]):
+        histogram[:] = 0
+        total = 0
+        for j in range(pixels.shape[0]):
+            dx = pixels[j, 0] - pixels[centres[q], 0]
+            dy = pixels[j, 1] - pixels[centres[q], 1]
+            squared = dx * dx + dy * dy
+            # Two points in one place have no direction between them.
+            if squared > radius * radius or squared == 0:
+                continue
+            place = RADIUS_BINS - 0.5 + 0.5 * math.log(squared / (radius * radius)) * per_log
+            _add(histogram, place, math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi)) - 0.5)
+            total += 1
+        scale = LEVEL_SCALE / math.sqrt(max(total, 1))
+        for k in range(SIZE):
+            level = scale * math.sqrt(histogram[k // AZIMUTH_BINS, k % AZIMUTH_BINS]) + 0.5
+            quantised[q, k] = np.uint8(min(255.0, level))
+    return quantised
+
+
+@kernel
+def _add(histogram: NDArray[np.float64], radius: float, azimuth: float) -> None:
+    """Split the weight 1 over the four bins around a place given in bin centres."""
+    radius = min(max(radius, 0.0), RADIUS_BINS - 1.0)
+    near = min(int(radius), RADIUS_BINS - 2)
+    to_far = radius - near
+    floor = math.floor(azimuth)
+    to_next = azimuth - floor
+    here = int(floor) % AZIMUTH_BINS
+    following = (here + 1) % AZIMUTH_BINS
+    histogram[near, here] += (1 - to_far) * (1 - to_next)
+    histogram[near, following] += (1 - to_far) * to_next
+    histogram[near + 1, here] += to_far * (1 - to_next)
+    histogram[near + 1, following] += to_far * to_next

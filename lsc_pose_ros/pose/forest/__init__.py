@@ -1,0 +1,1 @@
+"""The regression forest, the votes of its leaves, and the body yaw it is told."""

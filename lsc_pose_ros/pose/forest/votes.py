@@ -1,0 +1,155 @@
+"""The votes that a body's silhouette points cast through the forest (eq. 13)."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.numerics.jit import kernel
+from lsc_pose_ros.pose.forest.forest import LeafVotes
+from lsc_pose_ros.pose.inference.density import Cloud
+
+
+class Votes(NamedTuple):
+    """The heaviest votes for each target, in metres.
+
+    Attributes:
+        start: the votes for target t are start[t] to start[t + 1], shape (targets + 1,).
+        cloud: the votes of all targets: absolute places, or for a pair the child's place relative
+            to its parent's; V of them.
+    """
+
+    start: NDArray[np.int64]
+    cloud: Cloud
+
+    @property
+    def place(self) -> NDArray[np.float32]:
+        """The votes' places, shape (V, 3)."""
+        return np.stack([self.cloud.x, self.cloud.y, self.cloud.z], axis=1)
+
+    @property
+    def weight(self) -> NDArray[np.float32]:
+        """The votes' weights, shape (V,)."""
+        return self.cloud.weight
+
+
+class VoteSettings(NamedTuple):
+    """How votes are gathered.
+
+    Attributes:
+        targets: how many joints, or edges, are voted for.
+        heaviest: M, how many votes for each are kept.
+        scale: rho_bar, metres; the leaves' offsets are multiples of it.
+    """
+
+    targets: int
+    heaviest: int
+    scale: float
+
+
+@kernel
+def gather_votes(
+    votes: LeafVotes,
+    leaves: NDArray[np.int32],
+    origins: NDArray[np.float32],
+    vote_settings: VoteSettings,
+) -> Votes:
+    """Return the `poll.heaviest` heaviest votes for each target (eq. 13, sets S and S').
+
+    Args:
+        votes: the forest's votes for joints or for pairs.
+        leaves: the leaf of each point in each tree, shape (N, T).
+        origins: what the offsets are added to: the points in metres, or zeros for pairs, (N, 3).
+        vote_settings: how many targets and votes, and the scale.
+    """
+    gathered = _gather(votes, leaves, vote_settings.targets)
+    counts = gathered.counts
+    start = np.zeros(vote_settings.targets + 1, np.int64)
+    start[1:] = np.cumsum(np.minimum(counts, vote_settings.heaviest))
+    x, y, z, weight = np.empty((4, start[-1]), np.float32)
+    scale = np.float32(vote_settings.scale)
+    for target in range(vote_settings.targets):
+        kept = _heaviest(gathered.weight[target, : counts[target]], vote_settings.heaviest)
+        for n in range(len(kept)):
+            entry = gathered.entry[target, kept[n]]
+            point = gathered.point[target, kept[n]]
+            row = start[target] + n
+            weight[row] = gathered.weight[target, kept[n]]
+            x[row] = origins[point, 0] + scale * votes.offset[entry, 0]
+            y[row] = origins[point, 1] + scale * votes.offset[entry, 1]
+            z[row] = origins[point, 2] + scale * votes.offset[entry, 2]
+    return Votes(start, Cloud(x, y, z, weight))
+
+
+@kernel
+def votes_for(cast: Votes, target: int) -> Cloud:
+    """Return the votes for one target; they are not copied."""
+    start, end = cast.start[target], cast.start[target + 1]
+    cloud = cast.cloud
+    return Cloud(
+        cloud.x[start:end], cloud.y[start:end], cloud.z[start:end], cloud.weight[start:end]
+    )
+
+
+class _Gathered(NamedTuple):
+    """The votes for each target, in the order of points and trees.
+
+    Attributes:
+        counts: how many each target has, shape (targets,).
+        entry: which of the forest's votes they are, shape (targets, most).
+        point: who casts them, shape (targets, most).
+        weight: shape (targets, most).
+    """
+
+    counts: NDArray[np.int64]
+    entry: NDArray[np.int32]
+    point: NDArray[np.int32]
+    weight: NDArray[np.float32]
+
+
+@kernel
+def _gather(votes: LeafVotes, leaves: NDArray[np.int32], targets: int) -> _Gathered:
+    # The leaves lie anywhere in memory, so each is read once, into as much room as all could need.
+    most = 0
+    for point in range(leaves.shape[0]):
+        for tree in range(leaves.shape[1]):
+            leaf = leaves[point, tree]
+            most += votes.start[leaf + 1] - votes.start[leaf]
+    counts = np.zeros(targets, np.int64)
+    entries = np.empty((targets, most), np.int32)
+    points = np.empty((targets, most), np.int32)
+    weights = np.empty((targets, most), np.float32)
+    for point in range(leaves.shape[0]):
+        for tree in range(leaves.shape[1]):
+            leaf = leaves[point, tree]
+            for entry in range(votes.start[leaf], votes.start[leaf + 1]):
+                target = votes.target[entry]
+                place = counts[target]
+                entries[target, place] = entry
+                points[target, place] = point
+                weights[target, place] = votes.weight[entry]
+                counts[target] = place + 1
+    return _Gathered(counts, entries, points, weights)
+
+
+@kernel
+def _heaviest(weights: NDArray[np.float32], wanted: int) -> NDArray[np.int64]:
+    """Return the indices of the `wanted` largest weights; among equal ones the first come."""
+    count = weights.shape[0]
+    if count <= wanted:
+        return np.arange(count)
+    limit = np.partition(weights, count - wanted)[count - wanted]
+    kept = np.empty(wanted, np.int64)
+    free = wanted
+    for i in range(count):
+        free -= weights[i] > limit
+    found = 0
+    for i in range(count):
+        if weights[i] > limit:
+            kept[found] = i
+            found += 1
+        elif weights[i] == limit and free > 0:
+            kept[found] = i
+            found += 1
+            free -= 1
+    return kept

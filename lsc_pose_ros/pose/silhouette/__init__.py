@@ -1,0 +1,1 @@
+"""From the depth of one body to points on its silhouette (eq. 1, 2)."""

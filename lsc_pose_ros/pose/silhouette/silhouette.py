@@ -1,0 +1,234 @@
+"""From one body's pixels to N points on its silhouette (paper, section 2.1), or anywhere on it."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics, back_project
+from lsc_pose_ros.numerics.fast_exp import falloff
+from lsc_pose_ros.numerics.jit import kernel
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.pose.silhouette.preprocessing import (
+    Window,
+    fill_holes,
+    fitted_to_noise,
+    on_surfaces,
+)
+
+# No depth is this large, in metres; infinity and NaN are not below it.
+_UNSEEN = np.float32(1e9)
+
+
+class Silhouette(NamedTuple):
+    """The silhouette of one body; all of the body where the settings sample that.
+
+    Attributes:
+        smoothed: the window without flying pixels and after eq. 1.
+        rows, columns: all edge pixels E in the image, in scan order, shape (n,) (eq. 2); all
+            pixels of the body where the settings sample that.
+        points: the N of them that are kept, E', in metres, shape (N, 3).
+        chosen: which of E they are, shape (N,).
+    """
+
+    smoothed: Window
+    rows: NDArray[np.int32]
+    columns: NDArray[np.int32]
+    points: NDArray[np.float32]
+    chosen: NDArray[np.int64]
+
+
+def cut_out(
+    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int, fewest_seen: int = 0
+) -> Window | None:
+    """Return the window around the pixels labelled `body` that have a depth, or None for none.
+
+    Args:
+        depth: metres, 0 where the sensor saw nothing, shape (H, W).
+        labels: body numbers, shape (H, W).
+        body: the number to cut out.
+        fewest_seen: how many neighbours on the body a pixel without depth needs to get one, as
+            `Settings.fill_holes`; 0: none gets one.
+    """
+    top, bottom, left, right = _bounds(depth, labels, body)
+    if bottom < top:
+        return None
+    cut = _fill(depth, labels, body, (top, bottom, left, right))
+    window = Window(cut, top - 1, left - 1)
+    return window if fewest_seen <= 0 else fill_holes(window, depth, fewest_seen)
+
+
+@kernel
+def _bounds(
+    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int
+) -> tuple[int, int, int, int]:
+    height, width = depth.shape
+    top, bottom, left, right = height, -1, width, -1
+    for row in range(height):
+        for column in range(width):
+            if labels[row, column] == body and depth[row, column] > 0:
+                top = min(top, row)
+                bottom = row
+                left = min(left, column)
+                right = max(right, column)
+    return top, bottom, left, right
+
+
+@kernel
+def _fill(
+    depth: NDArray[np.float32],
+    labels: NDArray[np.int32],
+    body: int,
+    bounds: tuple[int, int, int, int],
+) -> NDArray[np.float32]:
+    top, bottom, left, right = bounds
+    height, width = depth.shape
+    window = np.empty((bottom - top + 3, right - left + 3), np.float32)
+    for i in range(window.shape[0]):
+        row = top - 1 + i
+        for j in range(window.shape[1]):
+            column = left - 1 + j
+            if row < 0 or row >= height or column < 0 or column >= width:
+                window[i, j] = np.nan
+            elif labels[row, column] == body and depth[row, column] > 0:
+                window[i, j] = depth[row, column]
+            else:
+                window[i, j] = np.inf
+    return window
+
+
+@kernel
+def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float32]:
+    """Return the window's depth after the Gaussian filter of eq. 1, shape as before.
+
+    Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
+    exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points.
+    `plain/silhouette.py` says it pixel by pixel; here a row meets each of its eight neighbours
+    as a whole, so that the loops vectorise.
+
+    Args:
+        window: the body; its border row and column hold no body.
+        camera: the intrinsics of the whole image.
+        sigma: metres; 0 leaves the depth as it is.
+    """
+    depth = window.depth
+    smoothed = depth.copy()
+    if sigma <= 0:
+        return smoothed
+    scale = np.float32(0.5 / (sigma * sigma))
+    count = depth.shape[1] - 2
+    # The directions of the row's pixels: x / z and y / z.
+    right = np.empty(count, np.float32)
+    for j in range(count):
+        right[j] = (window.column + 1 + j - camera.cx) / camera.fx
+    total, weights = np.empty(count, np.float32), np.empty(count, np.float32)
+    for i in range(1, depth.shape[0] - 1):
+        down = np.float32((window.row + i - camera.cy) / camera.fy)
+        centre = depth[i, 1 : count + 1]
+        total[:] = centre
+        weights[:] = 1
+        for di in range(-1, 2):
+            for dj in range(-1, 2):
+                if di != 0 or dj != 0:
+                    step = np.float32(dj / camera.fx), np.float32(di / camera.fy), down, scale
+                    other = depth[i + di, 1 + dj : count + 1 + dj]
+                    _add_neighbours(centre, other, right, step, total, weights)
+        for j in range(count):
+            if centre[j] < _UNSEEN:
+                smoothed[i, j + 1] = total[j] / weights[j]
+    return smoothed
+
+
+@kernel
+def _add_neighbours(
+    centre: NDArray[np.float32],
+    other: NDArray[np.float32],
+    right: NDArray[np.float32],
+    step: tuple[np.float32, np.float32, np.float32, np.float32],
+    total: NDArray[np.float32],
+    weights: NDArray[np.float32],
+) -> None:
+    """Add a row's neighbours to the weighted sums.
+
+    `step` is how far away they are, right and down, in units of depth; how far down the row
+    itself looks, in the same unit; and 1 / (2 sigma^2).
+    """
+    right_step, down_step, down, scale = step
+    for j in range(len(centre)):
+        dz = other[j] - centre[j]
+        dx = right[j] * dz + right_step * other[j]
+        dy = down * dz + down_step * other[j]
+        weight = falloff(scale * (dx * dx + dy * dy + dz * dz))
+        # Infinity and NaN have gone through the arithmetic; here they are left out.
+        seen = other[j] < _UNSEEN
+        weight = weight if seen else np.float32(0)
+        weights[j] += weight
+        total[j] += weight * (other[j] if seen else np.float32(0))
+
+
+@kernel
+def find_edges(depth: NDArray[np.float32], threshold: float) -> NDArray[np.int32]:
+    """Return the window's silhouette pixels as (row, column) in scan order, shape (n, 2).
+
+    A pixel belongs to E where the largest depth in its 3 x 3 neighbourhood exceeds its own by more
+    than `threshold` metres (eq. 2). The background is at infinity; what lies outside of the image
+    is unknown (NaN) and makes no edge, so that a body cut by the image has none along the cut.
+    """
+    edges = np.empty((depth.size, 2), np.int32)
+    count = 0
+    for i in range(1, depth.shape[0] - 1):
+        for j in range(1, depth.shape[1] - 1):
+            limit = depth[i, j] + threshold
+            if not math.isfinite(limit):
+                continue
+            if _any_deeper(depth, i, j, limit):
+                edges[count, 0] = i
+                edges[count, 1] = j
+                count += 1
+    return edges[:count].copy()
+
+
+@kernel
+def _any_deeper(depth: NDArray[np.float32], i: int, j: int, limit: float) -> bool:
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            if depth[i + di, j + dj] > limit:
+                return True
+    return False
+
+
+def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
+    """Return the indices of at most `wanted` of `available` things, evenly spread."""
+    count = min(available, wanted)
+    return (np.arange(count) * available + available // 2) // max(count, 1)
+
+
+def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+    """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points.
+
+    Flying pixels are taken out before, and sigma and t_d grow with the sensor's noise, where the
+    settings say so.
+    """
+    solid = on_surfaces(window, settings)
+    settings = fitted_to_noise(solid, settings)
+    smoothed = smooth(solid, camera, settings.smoothing_sigma)
+    return silhouette_in(solid._replace(depth=smoothed), camera, settings)
+
+
+def silhouette_in(smoothed: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+    """Return the silhouette of the body in a window that is smoothed already.
+
+    Where the settings sample the body, the points are evenly spread over all of its pixels.
+    """
+    if settings.sample == 'body':
+        edges = np.argwhere(np.isfinite(smoothed.depth)).astype(np.int32)
+    else:
+        edges = find_edges(smoothed.depth, settings.edge_threshold)
+    rows = edges[:, 0] + np.int32(smoothed.row)
+    columns = edges[:, 1] + np.int32(smoothed.column)
+    chosen = choose_uniformly(len(edges), settings.points)
+    kept = edges[chosen]
+    depth = smoothed.depth[kept[:, 0], kept[:, 1]]
+    points = back_project(columns[chosen], rows[chosen], depth, camera)
+    return Silhouette(smoothed, rows, columns, points, chosen)

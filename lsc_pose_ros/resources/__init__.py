@@ -1,0 +1,1 @@
+"""Files that come with the package: configuration, models, the body, and how they are found."""

@@ -1,0 +1,1 @@
+"""The live node: states, parameters, and the pipeline while it is active."""

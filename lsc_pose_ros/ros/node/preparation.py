@@ -1,0 +1,91 @@
+"""What the node makes when it is configured: a model and publishers, checked and warmed up."""
+
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from rclpy.node import Node
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.estimation.warm_up import warm_up, warm_up_segmenter
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.numerics.kernel_cache import describe_cache
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.resources.package_files import find_model
+from lsc_pose_ros.ros.io.outputs import Outputs
+from lsc_pose_ros.ros.node.estimation_settings import segmentation_settings
+from lsc_pose_ros.ros.node.parameter_rules import bad_query_points
+from lsc_pose_ros.ros.node.parameters import Parameters
+from lsc_pose_ros.segmentation.segmenter import make_segmenter
+
+# Kernels that are kept on disk are ready within this time, seconds.
+QUICK_START = 3.0
+
+
+class Prepared(NamedTuple):
+    """What answers need, ready for the first of them.
+
+    Attributes:
+        model: as it was trained.
+        outputs: the publishers, not yet open.
+    """
+
+    model: Model
+    outputs: Outputs
+
+    def estimator(self, parameters: Parameters) -> Estimator:
+        """Return an estimator as `parameters` ask for it."""
+        settings = self.model.settings
+        if parameters.query_points:
+            settings = settings._replace(query_points=parameters.query_points)
+        return Estimator(self.model._replace(settings=settings), graph=parameters.graph)
+
+
+def prepare(node: Node, parameters: Parameters) -> Prepared:
+    """Load the model, and do once all that an answer takes: the first time takes far longer.
+
+    Args:
+        node: the node; it is not touched, so that any thread may prepare.
+        parameters: the node's.
+
+    Raises:
+        InputError: the parameters do not go together, or the model cannot be used.
+    """
+    segmenter = make_segmenter(segmentation_settings(parameters))
+    model = _load(parameters.model)
+    objection = bad_query_points(parameters.query_points, model.settings.points)
+    if objection:
+        raise InputError(objection)
+    prepared = Prepared(model, Outputs(node, parameters, model.edges))
+    with _told_if_it_takes_long(node):
+        prepared.outputs.rehearse(warm_up(prepared.estimator(parameters)))
+        if segmenter is not None:
+            warm_up_segmenter(segmenter, parameters.background_seconds)
+    return prepared
+
+
+@contextmanager
+def _told_if_it_takes_long(node: Node) -> Iterator[None]:
+    begin = time.monotonic()
+    notice = 'compiling the kernels, which takes about half a minute'
+    patience = threading.Timer(QUICK_START, node.get_logger().info, [notice])
+    patience.daemon = True
+    patience.start()
+    try:
+        yield
+    finally:
+        patience.cancel()
+    seconds = time.monotonic() - begin
+    node.get_logger().info(f'kernels ready in {seconds:.1f} s ({describe_cache()})')
+
+
+def _load(name: str) -> Model:
+    try:
+        file = find_model(name)
+    except InputError as error:
+        msg = f'parameter model: {error}'
+        raise InputError(msg) from error
+    return load_model(file)

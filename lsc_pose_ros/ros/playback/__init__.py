@@ -1,0 +1,1 @@
+"""Plays recordings onto the wire and collects what is published."""

@@ -1,0 +1,110 @@
+"""Collects what is published on some topics, as serialised messages."""
+
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+
+from lsc_pose_ros.bags import RawMessage
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.io.message_types import message_class
+
+_QUEUE_DEPTH = 100
+
+
+class Listener:
+    """Subscriptions that keep what comes; `open_listener` is the way to make one.
+
+    Attributes:
+        received: the messages in the order of their arrival.
+    """
+
+    def __init__(self, node: Node, topics: Mapping[str, str]) -> None:
+        """Subscribe.
+
+        Args:
+            node: the node that subscribes.
+            topics: names of topics with the names of their types.
+
+        Raises:
+            InputError: the package of a type is not installed.
+        """
+        self.received: list[RawMessage] = []
+        self._subscriptions = []
+        for topic, type_name in topics.items():
+            kind = message_class(type_name)
+            if kind is None:
+                msg = f'{topic}: the package of {type_name} is not installed'
+                raise InputError(msg)
+            keep = self._keeper(topic, type_name)
+            self._subscriptions.append(
+                node.create_subscription(kind, topic, keep, _QUEUE_DEPTH, raw=True)
+            )
+
+    @property
+    def has_publishers(self) -> bool:
+        """Whether any topic has a publisher."""
+        return any(each.get_publisher_count() for each in self._subscriptions)
+
+    def wait_for_publishers(self, seconds: float) -> bool:
+        """Wait until each topic has a publisher; return whether it has within `seconds`."""
+        return _wait_until(
+            lambda: all(each.get_publisher_count() for each in self._subscriptions), seconds
+        )
+
+    def wait_for_messages(self, count: int, seconds: float) -> bool:
+        """Wait until `count` messages have come; return whether they have within `seconds`."""
+        return _wait_until(lambda: len(self.received) >= count, seconds)
+
+    def _keeper(self, topic: str, type_name: str) -> Callable[[bytes], None]:
+        def keep(data: bytes) -> None:
+            self.received.append(RawMessage(topic, type_name, time.time_ns(), data))
+
+        return keep
+
+
+@contextmanager
+def open_listener(topics: Mapping[str, str]) -> Iterator[Listener]:
+    """Give a listener that collects in a thread of its own until the end.
+
+    Args:
+        topics: names of topics with the names of their types.
+
+    Raises:
+        InputError: the package of a type is not installed.
+    """
+    context = Context()
+    rclpy.init(args=[], context=context)
+    node = Node('lsc_pose_listener', context=context, use_global_arguments=False)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    thread = threading.Thread(target=_spin, args=(executor,), name='listener', daemon=True)
+    try:
+        listener = Listener(node, topics)
+        thread.start()
+        yield listener
+    finally:
+        executor.shutdown()
+        if thread.is_alive():
+            thread.join()
+        node.destroy_node()
+        rclpy.try_shutdown(context=context)
+
+
+def _spin(executor: SingleThreadedExecutor) -> None:
+    with suppress(ExternalShutdownException):
+        executor.spin()
+
+
+def _wait_until(true: Callable[[], bool], seconds: float) -> bool:
+    deadline = time.monotonic() + seconds
+    while not true():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.02)
+    return True

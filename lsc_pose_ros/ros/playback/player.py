@@ -1,0 +1,174 @@
+"""Plays a recording onto the wire: its messages as they are, at the pace of their recording."""
+
+import re
+import time
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, NamedTuple
+
+import rclpy
+from rclpy.duration import Duration
+from rclpy.node import Node
+from rclpy.qos import QoSDurabilityPolicy, QoSProfile
+from rosgraph_msgs.msg import Clock
+
+from lsc_pose_ros.bags import RawMessage, RawReader, TopicSummary
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.io.message_types import message_class
+from lsc_pose_ros.ros.io.messages import NANOSECONDS
+from lsc_pose_ros.ros.playback.pacing import Pacer
+
+if TYPE_CHECKING:
+    from rclpy.publisher import Publisher
+
+CLOCK_TOPIC = '/clock'
+
+_QUEUE_DEPTH = 10
+_LATCHED_DEPTH = 1000  # what was published once, /tf_static above all, must all be kept
+_LATCHED = re.compile(r'durability:\s*(1\b|transient_local)')
+
+# A subscriber that the publisher has found still has to find the publisher; seconds.
+_SETTLING = 0.5
+
+# How long the last messages may take to their subscribers.
+_FAREWELL = Duration(seconds=2)
+
+
+class Playback(NamedTuple):
+    """How a recording is played.
+
+    Attributes:
+        rate: how many recorded seconds pass in one real second.
+        clock: whether /clock tells the recorded time.
+        remap: recorded names of topics, and the names under which they are played.
+    """
+
+    rate: float = 1.0
+    clock: bool = False
+    remap: Mapping[str, str] = {}
+
+
+@contextmanager
+def open_player(reader: RawReader, playback: Playback) -> Iterator['Player']:
+    """Give a player whose publishers are there until the end.
+
+    Args:
+        reader: the recording.
+        playback: how to play it.
+
+    Raises:
+        InputError: a topic to rename is not in the recording.
+    """
+    rclpy.init(args=[])
+    try:
+        node = Node('lsc_pose_player', use_global_arguments=False)
+        try:
+            yield Player(node, reader, playback)
+        finally:
+            node.destroy_node()
+    finally:
+        rclpy.try_shutdown()
+
+
+class Player:
+    """The publishers of one recording; `open_player` is the way to make one.
+
+    Attributes:
+        left_out: a sentence for each topic that cannot be played.
+        published: how many messages have been published.
+    """
+
+    def __init__(self, node: Node, reader: RawReader, playback: Playback) -> None:
+        """Advertise the recording's topics on `node`; the other arguments as `open_player`."""
+        _check_names(reader, playback.remap)
+        self._node = node
+        self._playback = playback
+        self.left_out: list[str] = []
+        self.published = 0
+        self._clock: Publisher | None = None
+        if playback.clock:
+            self._clock = node.create_publisher(Clock, CLOCK_TOPIC, 1)
+        self._publishers: dict[str, Publisher] = {}
+        for name, topic in reader.topics.items():
+            self._advertise(name, topic)
+
+    def wait_for_subscribers(self, topics: Collection[str], seconds: float) -> bool:
+        """Wait until each of `topics` has a subscriber.
+
+        Args:
+            topics: recorded names; those that are not played are passed over.
+            seconds: how long to wait at most.
+
+        Returns:
+            whether they all have one.
+        """
+        awaited = [self._publishers[name] for name in topics if name in self._publishers]
+        deadline = time.monotonic() + seconds
+        while self._node.context.ok():
+            if all(publisher.get_subscription_count() for publisher in awaited):
+                time.sleep(_SETTLING)
+                return True
+            if time.monotonic() > deadline:
+                break
+            time.sleep(0.02)
+        return False
+
+    def play(self, messages: Iterable[RawMessage]) -> bool:
+        """Publish `messages`, once through.
+
+        Args:
+            messages: the recording's.
+
+        Returns:
+            whether the end was reached; otherwise SIGTERM has ended it.
+        """
+        pacer = Pacer(self._playback.rate)
+        for message in messages:
+            publisher = self._publishers.get(message.topic)
+            if publisher is None:
+                continue
+            for moment in pacer.wait_until(message.log_time):
+                if not self._node.context.ok():
+                    return False
+                self._tell_time(moment)
+            publisher.publish(message.data)
+            self.published += 1
+        return True
+
+    def finish(self) -> None:
+        """Wait until the last messages have arrived."""
+        for publisher in self._publishers.values():
+            publisher.wait_for_all_acked(_FAREWELL)
+        time.sleep(_SETTLING)  # best-effort subscribers acknowledge nothing
+
+    def _advertise(self, name: str, topic: TopicSummary) -> None:
+        played_as = self._playback.remap.get(name, name)
+        if played_as == CLOCK_TOPIC and self._clock is not None:
+            return  # two clocks would contradict each other
+        kind = message_class(topic.type_name)
+        if kind is None:
+            self.left_out.append(
+                f'{name} is not played: the package of {topic.type_name} is not installed'
+            )
+            return
+        self._publishers[name] = self._node.create_publisher(kind, played_as, _qos(topic.qos))
+
+    def _tell_time(self, moment: int) -> None:
+        if self._clock is not None:
+            message = Clock()
+            message.clock.sec, message.clock.nanosec = divmod(moment, NANOSECONDS)
+            self._clock.publish(message)
+
+
+def _check_names(reader: RawReader, remap: Mapping[str, str]) -> None:
+    unknown = sorted(set(remap) - set(reader.topics))
+    if unknown:
+        msg = f'{reader.path}: no topic {", ".join(unknown)}; it has {", ".join(reader.topics)}'
+        raise InputError(msg)
+
+
+def _qos(offered: str) -> QoSProfile:
+    """Return the QoS to play a topic with: reliable, which suits subscribers of both kinds."""
+    if _LATCHED.search(offered):
+        return QoSProfile(depth=_LATCHED_DEPTH, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
+    return QoSProfile(depth=_QUEUE_DEPTH)

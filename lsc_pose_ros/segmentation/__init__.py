@@ -1,0 +1,1 @@
+"""Bodies in a depth image that has no mask."""

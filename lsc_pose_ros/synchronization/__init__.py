@@ -1,0 +1,1 @@
+"""Depth image, mask and camera info of one moment, matched by their stamps."""

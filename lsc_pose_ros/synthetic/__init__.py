@@ -1,0 +1,1 @@
+"""Synthetic people before a depth camera, with exact masks and joints."""

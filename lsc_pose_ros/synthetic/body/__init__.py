@@ -1,0 +1,1 @@
+"""The body: shape, skin, bones, clothes, and collisions of its limbs."""

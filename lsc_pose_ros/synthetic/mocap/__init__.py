@@ -1,0 +1,1 @@
+"""Motion capture files, brought onto any body."""

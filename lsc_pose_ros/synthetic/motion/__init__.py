@@ -1,0 +1,1 @@
+"""Poses and motion by rule, within what joints allow."""

@@ -1,0 +1,1 @@
+"""Room, placement of the people, and rendering."""

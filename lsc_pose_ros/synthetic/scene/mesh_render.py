@@ -1,0 +1,127 @@
+"""Draws meshes into a depth image and a mask: a z-buffer.
+
+A pixel shows the nearest triangle that holds its centre. Corners are rounded to 1/256 pixel, so
+the test is exact in integers: no gaps between neighbours, and the same pixels on every machine.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.numerics.jit import exact_kernel
+from lsc_pose_ros.synthetic.scene.image import Image
+
+PARTS = 256
+"""Of a pixel, to which corners are rounded."""
+
+NEAREST = 0.05
+"""A triangle with a corner closer to the camera's plane than this is not drawn, metres."""
+
+_FARTHEST_PIXEL = 1 << 20
+"""A triangle with a corner so far outside the image is not drawn: its products would overflow."""
+
+
+class Mesh(NamedTuple):
+    """One body's surface before the camera.
+
+    Attributes:
+        vertices: in the optical frame, metres, shape (V, 3).
+        triangles: numbers of vertices, shape (T, 3); both sides are seen.
+        body: its number.
+    """
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.uint16]
+    body: int
+
+
+def render_meshes(meshes: Sequence[Mesh], camera: Intrinsics, width: int, height: int) -> Image:
+    """Draw `meshes`; the nearest surface hides what is behind it.
+
+    Args:
+        meshes: the bodies.
+        camera: the intrinsics.
+        width: of the image, pixels.
+        height: of the image, pixels.
+
+    Returns:
+        Depth, 0 where there is nothing, and mask.
+    """
+    depth = np.full((height, width), np.inf, np.float32)
+    labels = np.full((height, width), NO_BODY, np.int32)
+    for mesh in meshes:
+        corners = project_corners(mesh.vertices, camera)
+        draw_triangles(mesh.triangles, corners, mesh.vertices, mesh.body, Image(depth, labels))
+    depth[np.isinf(depth)] = 0.0
+    return Image(depth, labels)
+
+
+@exact_kernel
+def project_corners(vertices: NDArray[np.float64], camera: Intrinsics) -> NDArray[np.int64]:
+    """Return columns and rows in PARTS of a pixel, and 1 where they can be drawn, (V, 3)."""
+    corners = np.zeros((len(vertices), 3), np.int64)
+    for vertex in range(len(vertices)):
+        z = vertices[vertex, 2]
+        if not z >= NEAREST:
+            continue
+        column = camera.cx + camera.fx * vertices[vertex, 0] / z
+        row = camera.cy + camera.fy * vertices[vertex, 1] / z
+        if abs(column) < _FARTHEST_PIXEL and abs(row) < _FARTHEST_PIXEL:
+            corners[vertex, 0] = int(np.floor(column * PARTS + 0.5))
+            corners[vertex, 1] = int(np.floor(row * PARTS + 0.5))
+            corners[vertex, 2] = 1
+    return corners
+
+
+@exact_kernel
+def draw_triangles(
+    triangles: NDArray[np.uint16],
+    corners: NDArray[np.int64],
+    vertices: NDArray[np.float64],
+    body: int,
+    image: Image,
+) -> None:
+    """Draw triangles into `image`, whose depth is infinite where it is empty.
+
+    On a plane 1/z is linear in the image: 1/z = sum_i w_i / z_i, w the barycentric weights.
+    """
+    height, width = image.depth.shape
+    for triangle in range(len(triangles)):
+        a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
+        if corners[a, 2] + corners[b, 2] + corners[c, 2] < 3:
+            continue
+        ax, ay, bx, by = corners[a, 0], corners[a, 1], corners[b, 0], corners[b, 1]
+        cx, cy = corners[c, 0], corners[c, 1]
+        # Most triangles are small and lie between the centres of pixels.
+        left = max(-(-min(ax, bx, cx) // PARTS), 0)
+        right = min(max(ax, bx, cx) // PARTS, width - 1)
+        top = max(-(-min(ay, by, cy) // PARTS), 0)
+        bottom = min(max(ay, by, cy) // PARTS, height - 1)
+        if left > right or top > bottom:
+            continue
+        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        if area == 0:
+            continue
+        if area < 0:  # seen from behind
+            b, bx, by, c, cx, cy = c, cx, cy, b, bx, by
+            area = -area
+        inverse_a = 1.0 / (area * vertices[a, 2])
+        inverse_b = 1.0 / (area * vertices[b, 2])
+        inverse_c = 1.0 / (area * vertices[c, 2])
+        for row in range(top, bottom + 1):
+            y = row * PARTS
+            for column in range(left, right + 1):
+                x = column * PARTS
+                of_a = (cx - bx) * (y - by) - (cy - by) * (x - bx)
+                of_b = (ax - cx) * (y - cy) - (ay - cy) * (x - cx)
+                of_c = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+                if of_a < 0 or of_b < 0 or of_c < 0:
+                    continue
+                z = np.float32(1.0 / (of_a * inverse_a + of_b * inverse_b + of_c * inverse_c))
+                if z < image.depth[row, column]:
+                    image.depth[row, column] = z
+                    image.labels[row, column] = body

@@ -1,0 +1,59 @@
+"""What the noises of all sensors need: ranges, focal lengths, slopes, the nearest pixel."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.numerics.jit import exact_kernel
+
+
+class Range(NamedTuple):
+    """How near and how far a sensor measures, metres."""
+
+    nearest: float
+    farthest: float
+
+
+def focal_length(width: int, field_of_view: float) -> float:
+    """Return the focal length, pixels, of `width` pixels over a field of view in degrees."""
+    return 0.5 * width / math.tan(math.radians(0.5 * field_of_view))
+
+
+@exact_kernel
+def nearest_pixel(place: float, count: int) -> int:
+    """Return the pixel of an axis of `count` pixels that is nearest to a place."""
+    return min(max(int(np.floor(place + 0.5)), 0), count - 1)
+
+
+@exact_kernel
+def slope(depth: NDArray[np.float32], row: int, column: int, focal: float) -> float:
+    """Return the tangent of the angle between a surface's normal and the camera's axis.
+
+    Along each axis the smaller of the two one-sided changes of depth over the size of a pixel,
+    so a cliff beside the surface does not count, nor does an empty neighbour.
+
+    Args:
+        depth: metres, 0 where there is nothing, shape (H, W).
+        row: of a pixel that shows something.
+        column: of that pixel.
+        focal: focal length, pixels.
+    """
+    down = least_change(depth, row, column, 1, 0)
+    right = least_change(depth, row, column, 0, 1)
+    return math.sqrt(down * down + right * right) * focal / float(depth[row, column])
+
+
+@exact_kernel
+def least_change(
+    depth: NDArray[np.float32], row: int, column: int, down: int, right: int
+) -> float:
+    """Return the smaller change of depth, metres, to the pixel before and the one after."""
+    height, width = depth.shape
+    least = math.inf
+    for sign in (-1, 1):
+        at_row, at_column = row + sign * down, column + sign * right
+        if 0 <= at_row < height and 0 <= at_column < width and depth[at_row, at_column] > 0:
+            least = min(least, abs(float(depth[at_row, at_column]) - float(depth[row, column])))
+    return 0.0 if least == math.inf else least

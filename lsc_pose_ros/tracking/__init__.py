@@ -1,0 +1,1 @@
+"""Body numbers and joints over time."""

@@ -1,0 +1,52 @@
+"""Mirrored frames: the same people with left and right exchanged, for training."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
+from lsc_pose_ros.data_types.skeletons import Skeletons
+
+_OTHER_SIDE = {'l': 'r', 'r': 'l'}
+
+
+def with_mirrored(frames: Iterable[Frame]) -> Iterator[Frame]:
+    """Yield each frame, and after it its mirror image."""
+    for frame in frames:
+        yield frame
+        yield mirrored(frame)
+
+
+def mirrored(frame: Frame) -> Frame:
+    """Return `frame` as a mirror shows it: what was the left hand is now a right hand."""
+    camera, width = frame.camera, frame.depth.shape[1]
+    return frame._replace(
+        depth=np.ascontiguousarray(frame.depth[:, ::-1]),
+        labels=np.ascontiguousarray(frame.labels[:, ::-1]),
+        camera=Intrinsics(camera.fx, camera.fy, width - 1 - camera.cx, camera.cy),
+        ground_truth=None
+        if frame.ground_truth is None
+        else _mirrored_skeletons(frame.ground_truth),
+    )
+
+
+def _mirrored_skeletons(skeletons: Skeletons) -> Skeletons:
+    renamed = _other_side(skeletons.joints)
+    order = np.argsort(renamed, kind='stable')
+    mirror = np.array([-1, 1, 1], np.float32)
+    return Skeletons(
+        skeletons.bodies,
+        renamed[order],
+        skeletons.positions[:, order] * mirror,
+        skeletons.confidence[:, order],
+    )
+
+
+def _other_side(joints: NDArray[np.uint16]) -> NDArray[np.uint16]:
+    """Return the number of the joint that each of `joints` is in the mirror, shape (J,)."""
+    names = [JOINT_NAMES[number] for number in joints]
+    other = [_OTHER_SIDE.get(name[0], '') + name[1:] if name[1] == '_' else name for name in names]
+    return np.array([JOINT_NUMBERS[name] for name in other], np.uint16)

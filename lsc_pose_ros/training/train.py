@@ -1,0 +1,186 @@
+"""Trains a model from labelled frames (paper, section 3.2)."""
+
+from collections.abc import Callable, Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.joints import default_edges, names_of
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.pose.features.point_features import feature_size
+from lsc_pose_ros.pose.forest.body_yaw import BODY_YAW_SIZE
+from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.training.body_yaw_training import lines_across, tell_body_yaw
+from lsc_pose_ros.training.calibration import calibrate
+from lsc_pose_ros.training.criterion import (
+    ENTROPY,
+    SPREAD,
+    Evidence,
+    contributions,
+    offset_moments,
+)
+from lsc_pose_ros.training.leaves import LeafSettings, fit_joint_votes, fit_pair_votes
+from lsc_pose_ros.training.mirror import with_mirrored
+from lsc_pose_ros.training.samples import (
+    Samples,
+    labelled_people,
+    most_samples,
+    split_samples,
+)
+from lsc_pose_ros.training.tree_growth import GrowthSettings, Tree, grow_tree, join_trees
+
+GIBIBYTE = 1 << 30
+
+
+class TrainingSettings(NamedTuple):
+    """All that decides what is trained.
+
+    Attributes:
+        joints: the numbers of the joints to learn, shape (J,).
+        settings: of silhouettes, descriptors and densities.
+        trees: how many trees.
+        growth: of each tree.
+        leaves: of the votes.
+        seed: of all that is drawn.
+        memory: how much training may take, bytes.
+        hold_out: which share of the people teaches confidence instead of the forest.
+        criterion: what splits are chosen by, one of CRITERIA.
+        criterion_reach: of the spread: up to where a point speaks of a joint, in units of rho_bar.
+        mirror: whether every frame is learned from a second time, in the mirror.
+    """
+
+    joints: NDArray[np.uint16]
+    settings: Settings = Settings()
+    trees: int = 3
+    growth: GrowthSettings = GrowthSettings()
+    leaves: LeafSettings = LeafSettings()
+    seed: int = 0
+    memory: float = 8 * GIBIBYTE
+    hold_out: float = 0.05
+    criterion: str = SPREAD
+    criterion_reach: float = 0.5
+    mirror: bool = False
+
+
+Progress = Callable[[str], None]
+
+
+def train(
+    frames: Iterable[Frame],
+    training: TrainingSettings,
+    provenance: dict[str, str],
+    tell: Progress = lambda _step: None,
+) -> Model:
+    """Return a model trained on every labelled person in `frames`.
+
+    Args:
+        frames: with truth; those without are passed over.
+        training: what to train.
+        provenance: kept in the model, for people to read.
+        tell: is told each step as it begins.
+
+    Raises:
+        InputError: nobody labelled is seen, a joint is labelled nowhere, or facings cannot be
+            learnt without others.
+    """
+    if training.settings.body_yaws:
+        lines_across(training.joints)  # to complain now, not when all frames are read
+    tell('reading frames')
+    if training.mirror:
+        frames = with_mirrored(frames)
+    people = labelled_people(frames, training.joints, training.settings)
+    spare = BODY_YAW_SIZE if training.settings.body_yaws else 0
+    size = feature_size(training.settings) + spare
+    most = most_samples(training.memory, len(training.joints), size)
+    samples, held_out = split_samples(people, most, training.hold_out, spare)
+    model = train_on(samples, training, provenance, tell)
+    if held_out:
+        tell(f'learning confidence from the {len(held_out)} people that were held out')
+    return calibrate(model, held_out)
+
+
+def train_on(
+    samples: Samples,
+    training: TrainingSettings,
+    provenance: dict[str, str],
+    tell: Progress = lambda _step: None,
+) -> Model:
+    """Return a model trained on `samples`; the other arguments as `train`.
+
+    Where the settings have facings, the last FACING_SIZE rows of the samples' levels are free, and
+    are filled.
+    """
+    _check_labels(samples, training)
+    growth = training.growth
+    if training.settings.body_yaws:
+        tell_body_yaw(samples, training.joints, training.seed)
+        growth = growth._replace(always=BODY_YAW_SIZE)
+    edges = default_edges(training.joints)
+    evidence = evidence_in(samples, training)
+    trees: list[Tree] = []
+    joint_votes: list[LeafVotes] = []
+    pair_votes: list[LeafVotes] = []
+    for number in range(training.trees):
+        tell(f'growing tree {number + 1} of {training.trees}')
+        rng = np.random.default_rng((training.seed, number))
+        tree = grow_tree(samples.quantised, evidence, growth, rng)
+        tell(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
+        trees.append(tree)
+        joint_votes.append(fit_joint_votes(samples, tree, training.leaves))
+        pair_votes.append(fit_pair_votes(samples, tree, edges, training.leaves))
+    return Model(
+        training.joints,
+        edges,
+        limb_lengths(samples, edges),
+        training.settings,
+        Forest(*join_trees(trees), join_votes(joint_votes), join_votes(pair_votes)),
+        provenance | {'people': str(len(samples.scale)), 'samples': str(len(samples.points))},
+    )
+
+
+def evidence_in(samples: Samples, training: TrainingSettings) -> Evidence:
+    """Return what the samples say of the joints, for the criterion that splits are chosen by."""
+    places = (samples.points, samples.person, samples.joints)
+    if training.criterion == ENTROPY:
+        return contributions(*places)
+    return offset_moments(*places, training.criterion_reach)
+
+
+def _check_labels(samples: Samples, training: TrainingSettings) -> None:
+    labelled = ~np.isnan(samples.joints[..., 0])
+    missing = training.joints[~labelled.any(axis=0)]
+    if len(missing):
+        msg = (
+            f'no frame labels {", ".join(names_of(missing))}; leave these joints out with --joints'
+        )
+        raise InputError(msg)
+
+
+def limb_lengths(samples: Samples, edges: NDArray[np.int32]) -> NDArray[np.float32]:
+    """Return the mean length of each edge over the people, metres, shape (E,): h_ij of eq. 15.
+
+    An edge that is nowhere labelled at both ends takes the mean of the others.
+    """
+    places = samples.joints * samples.scale[:, None, None]
+    limbs = np.linalg.norm(places[:, edges[:, 1]] - places[:, edges[:, 0]], axis=-1)
+    counts = (~np.isnan(limbs)).sum(axis=0)
+    lengths: NDArray[np.float32] = np.nansum(limbs, axis=0, dtype=np.float32)
+    lengths /= np.maximum(counts, 1).astype(np.float32)
+    lengths[counts == 0] = lengths[counts > 0].mean() if (counts > 0).any() else 0.3
+    return lengths
+
+
+def join_votes(parts: list[LeafVotes]) -> LeafVotes:
+    """Return the votes of several trees' leaves as those of one list of leaves."""
+    offsets = np.cumsum([0, *(len(votes.target) for votes in parts)])
+    starts = [votes.start[:-1] + offsets[t] for t, votes in enumerate(parts)]
+    return LeafVotes(
+        np.concatenate([*starts, offsets[-1:]]).astype(np.int32),
+        np.concatenate([votes.target for votes in parts]),
+        np.concatenate([votes.offset for votes in parts]),
+        np.concatenate([votes.weight for votes in parts]),
+    )

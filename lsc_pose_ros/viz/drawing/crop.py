@@ -1,0 +1,69 @@
+"""Which part of an image a picture shows."""
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.data_types.frame import Frame
+
+_MARGIN = 0.07
+_LEAST_MARGIN = 4.0
+
+
+class Box(NamedTuple):
+    """A part of an image, in pixels; a whole number is the centre of a pixel."""
+
+    left: float
+    top: float
+    right: float
+    bottom: float
+
+
+def box_around(frame: Frame, body: int | None = None, aspect: float = 0.8) -> Box:
+    """Return the box around the bodies of `frame` and their true joints.
+
+    Args:
+        frame: the image.
+        body: only this one; None for all.
+        aspect: the box's width, divided by its height.
+
+    The box may reach outside of the image. Where there is no body, it is the image.
+    """
+    labels = frame.labels
+    rows, columns = np.nonzero(labels >= 0 if body is None else labels == body)
+    if len(rows) == 0:
+        height, width = labels.shape
+        return Box(-0.5, -0.5, width - 0.5, height - 0.5)
+    joints = _true_pixels(frame, body)
+    x = np.concatenate([columns, joints[:, 0]])
+    y = np.concatenate([rows, joints[:, 1]])
+    return _fit(Box(float(x.min()), float(y.min()), float(x.max()), float(y.max())), aspect)
+
+
+def look_at(axes: Axes, box: Box) -> None:
+    """Let `axes` show `box`, with square pixels."""
+    axes.set_xlim(box.left, box.right)
+    axes.set_ylim(box.bottom, box.top)
+    axes.set_aspect('equal')
+
+
+def _fit(box: Box, aspect: float) -> Box:
+    """Give `box` a margin and let it grow to `aspect`."""
+    width, height = box.right - box.left, box.bottom - box.top
+    margin = max(_LEAST_MARGIN, _MARGIN * max(width, height))
+    width, height = width + 2 * margin, height + 2 * margin
+    width, height = max(width, aspect * height), max(height, width / aspect)
+    column, row = (box.left + box.right) / 2, (box.top + box.bottom) / 2
+    return Box(column - width / 2, row - height / 2, column + width / 2, row + height / 2)
+
+
+def _true_pixels(frame: Frame, body: int | None) -> NDArray[np.float32]:
+    """Return the pixels of the true joints that are labelled, shape (n, 2)."""
+    if frame.ground_truth is None:
+        return np.zeros((0, 2), np.float32)
+    wanted = frame.ground_truth.bodies == body if body is not None else slice(None)
+    pixels = project(frame.ground_truth.positions[wanted], frame.camera).reshape(-1, 2)
+    return pixels[np.isfinite(pixels).all(axis=1)]

@@ -1,0 +1,53 @@
+"""A depth image as greys: the bodies clear, what surrounds them faint."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.viz.drawing.canvas import hide_axes
+from lsc_pose_ros.viz.drawing.colours import BORDER
+from lsc_pose_ros.viz.drawing.crop import Box, look_at
+
+# Greys from 0, black, to 1, white: light enough for a skeleton to stand out.
+_NEAR, _FAR = 0.88, 0.50
+_NEAR_FAINT, _FAR_FAINT = 0.90, 0.98
+
+
+def draw_depth(axes: Axes, frame: Frame, box: Box, *, body: int | None = None) -> None:
+    """Draw the part `box` of the depth image; only `body`, or all bodies, are drawn clearly."""
+    hide_axes(axes)
+    axes.imshow(greys(frame, body), cmap='gray', vmin=0, vmax=1)
+    height, width = frame.depth.shape
+    # Where a body is cut off, this line says that the image ends there.
+    axes.add_patch(
+        Rectangle((-0.5, -0.5), width, height, fill=False, edgecolor=BORDER, linewidth=0.8)
+    )
+    look_at(axes, box)
+
+
+def greys(frame: Frame, body: int | None = None) -> NDArray[np.float32]:
+    """Return the depth image as greys from 0 to 1, shape (H, W): nearer is lighter.
+
+    Args:
+        frame: the image.
+        body: the one to show clearly; None for all.
+    """
+    seen = frame.depth > 0
+    clear = seen & (frame.labels >= 0 if body is None else frame.labels == body)
+    if not (frame.labels >= 0).any():
+        clear = seen  # without a mask the scene is all there is
+    image = np.ones(frame.depth.shape, np.float32)
+    for where, near, far in ((seen & ~clear, _NEAR_FAINT, _FAR_FAINT), (clear, _NEAR, _FAR)):
+        image[where] = near + (far - near) * _share(frame.depth[where])
+    return image
+
+
+def _share(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return where each depth lies between the nearest, 0, and the farthest, 1; outliers clip."""
+    if len(depth) == 0:
+        return depth
+    near, far = np.percentile(depth, [1, 99])
+    share: NDArray[np.float32] = np.clip((depth - near) / max(far - near, 1e-6), 0, 1)
+    return share.astype(np.float32)

@@ -1,0 +1,87 @@
+"""One frame with all that is known of it: silhouette points, estimate, truth, error."""
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.evaluation.evaluate import joint_errors
+from lsc_pose_ros.pose.estimator import bodies_in
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.pose.silhouette.silhouette import cut_out, find_silhouette
+from lsc_pose_ros.training.samples import select_joints
+from lsc_pose_ros.viz.drawing.colours import EDGE
+from lsc_pose_ros.viz.drawing.crop import box_around
+from lsc_pose_ros.viz.drawing.depth_image import draw_depth
+from lsc_pose_ros.viz.drawing.dots import Dot, draw_dots
+from lsc_pose_ros.viz.drawing.skeleton_overlay import Look, draw_skeletons
+
+
+class DrawnFrame(NamedTuple):
+    """A frame to draw.
+
+    Attributes:
+        label: what it is called, for example 'frame 12'.
+        frame: the images, the camera and the truth if there is one.
+        estimate: the estimated skeletons, None where there are none to draw.
+        settings: how the silhouette is found.
+    """
+
+    label: str
+    frame: Frame
+    estimate: Skeletons | None = None
+    settings: Settings = Settings()
+
+
+def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
+    """Draw depth, silhouette points, skeletons and, as the title, what `caption` says."""
+    frame = drawn.frame
+    draw_depth(axes, frame, box_around(frame))
+    points = silhouette_pixels(frame, drawn.settings)
+    draw_dots(axes, points, Dot(1.6, EDGE, layer=3))
+    if drawn.estimate is not None:
+        if frame.ground_truth is not None:
+            ground_truth = only_joints(frame.ground_truth, drawn.estimate.joints)
+            draw_skeletons(axes, ground_truth, frame.camera, Look.TRUTH)
+        draw_skeletons(axes, drawn.estimate, frame.camera)
+    elif frame.ground_truth is not None:
+        draw_skeletons(axes, frame.ground_truth, frame.camera)
+    axes.set_title(caption(drawn), pad=3)
+
+
+def only_joints(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> Skeletons:
+    """Return of `ground_truth` only `joints`, NaN where it has no such joint."""
+    places = select_joints(ground_truth, joints)
+    return Skeletons(ground_truth.bodies, joints, places, np.ones(places.shape[:2], np.float32))
+
+
+def silhouette_pixels(frame: Frame, settings: Settings) -> NDArray[np.float32]:
+    """Return the pixels (column, row) of all bodies' silhouette points E', shape (n, 2)."""
+    pixels = [np.zeros((0, 2), np.float32)]
+    for body in bodies_in(frame.labels):
+        window = cut_out(frame.depth, frame.labels, int(body), settings.fill_holes)
+        if window is not None:
+            silhouette = find_silhouette(window, frame.camera, settings)
+            pixels.append(project(silhouette.points, frame.camera))
+    return np.concatenate(pixels)
+
+
+def caption(drawn: DrawnFrame) -> str:
+    """Return the frame's label and, where it can be known, the mean error of its joints."""
+    ground_truth, estimate = drawn.frame.ground_truth, drawn.estimate
+    if ground_truth is None or estimate is None or len(ground_truth.bodies) == 0:
+        return drawn.label
+    errors = joint_errors(estimate, ground_truth)
+    labelled = errors[~np.isnan(errors)]
+    answered = labelled[np.isfinite(labelled)]
+    if len(labelled) == 0:
+        return drawn.label
+    if len(answered) == 0:
+        return f'{drawn.label}: no answer'
+    missing = len(labelled) - len(answered)
+    without = f', {missing} missing' if missing else ''
+    return f'{drawn.label}: {100 * answered.mean():.1f} cm{without}'

@@ -1,0 +1,43 @@
+"""Which frames of an evaluation are worth looking at."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.evaluation.evaluate import Evaluation
+
+
+class Ranking(NamedTuple):
+    """The numbers of frames, as Evaluation counts them: best or worst first."""
+
+    best: list[int]
+    worst: list[int]
+
+
+def rank_frames(evaluation: Evaluation, count: int) -> Ranking:
+    """Return the `count` frames with the smallest and those with the largest error.
+
+    A frame's error is the mean over its labelled joints; a joint without an estimate makes it
+    infinite, and among such frames those with more of them are worse. No frame is in both lists.
+    """
+    frames, keys = _frame_errors(evaluation)
+    order = frames[np.lexsort((frames, keys[:, 1], keys[:, 0]))].tolist()
+    best = order[: min(count, (len(order) + 1) // 2)]
+    worst = order[::-1][: min(count, len(order) - len(best))]
+    return Ranking(best, worst)
+
+
+def _frame_errors(evaluation: Evaluation) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Return the labelled frames, (n,), and of each the joints missed and the mean error, (n, 2).
+
+    The mean is over the joints that were estimated.
+    """
+    people = ~np.isnan(evaluation.errors).all(axis=1)
+    frames = np.unique(evaluation.frames[people])
+    keys = np.zeros((len(frames), 2))
+    for row, frame in enumerate(frames):
+        errors = evaluation.errors[evaluation.frames == frame]
+        answered = errors[np.isfinite(errors)]
+        keys[row] = np.isinf(errors).sum(), answered.mean() if len(answered) else np.inf
+    return frames, keys

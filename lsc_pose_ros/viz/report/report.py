@@ -1,0 +1,162 @@
+"""The page that `evaluate --report` writes: one file, its pictures inside."""
+
+import base64
+from html import escape
+from pathlib import Path
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from lsc_pose_ros.evaluation.confidence_reliability import Reliability, measure_reliability
+from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
+from lsc_pose_ros.viz.drawing.canvas import make_directory, png_bytes, write_beside
+from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
+from lsc_pose_ros.viz.report.plots import error_curves, joint_bars, reliability_plot
+
+PAGE_NAME = 'index.html'
+
+# Twice as fine as shown, for dense screens and paper.
+_FINENESS = 2.0
+
+
+class Report(NamedTuple):
+    """What the page says.
+
+    Attributes:
+        title: of the page.
+        summary: the scores.
+        evaluation: all errors.
+        tolerance: how far a joint may be off to count as found, metres.
+        facts: what else is to be known, by name: the model, the recordings, the time a frame.
+        best: the frames with the smallest errors, with their estimates.
+        worst: those with the largest.
+    """
+
+    title: str
+    summary: Summary
+    evaluation: Evaluation
+    tolerance: float
+    facts: dict[str, str]
+    best: list[DrawnFrame]
+    worst: list[DrawnFrame]
+
+
+def write_report(directory: Path, report: Report) -> Path:
+    """Write the page into `directory`, which is made if need be, and return its path.
+
+    It needs neither other files nor a network.
+
+    Raises:
+        InputError: it cannot be written.
+    """
+    make_directory(directory)
+    path = directory / PAGE_NAME
+    write_beside(path, page(report).encode())
+    return path
+
+
+def page(report: Report) -> str:
+    """Return the page as HTML."""
+    title = escape(report.title)
+    return f"""\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>{_STYLE}</style>
+</head>
+<body>
+<h1>{title}</h1>
+{_headline(report)}
+{_facts(report.facts)}
+<h2>Joint by joint</h2>
+{_image(joint_bars(report.summary, report.tolerance), 'Mean error and precision of each joint')}
+{_table(report)}
+<h2>All errors</h2>
+<p>The share of the joints that is off by no more than so much.</p>
+{_image(error_curves(report.evaluation, report.tolerance), 'Cumulative error curves')}
+{_confidence(measure_reliability(report.evaluation))}
+{_frames('Best frames', report.best)}
+{_frames('Worst frames', report.worst)}
+</body>
+</html>
+"""
+
+
+_STYLE = """
+:root { color-scheme: light }
+body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff;
+  max-width: 68rem; margin: 2rem auto; padding: 0 1rem }
+h1 { font-size: 1.6rem } h2 { font-size: 1.2rem; margin-top: 2.5rem }
+img { max-width: 100%; height: auto; display: block }
+.headline { display: flex; gap: 3rem; flex-wrap: wrap }
+.headline b { display: block; font-size: 2rem; line-height: 1.2 }
+.headline span { color: #555 }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums }
+th, td { padding: .15rem 1.2rem .15rem 0; text-align: right; border-bottom: 1px solid #ddd }
+th:first-child, td:first-child { text-align: left }
+tfoot td { font-weight: bold }
+dl { display: grid; grid-template-columns: max-content auto; gap: .2rem 1.5rem }
+dt { color: #555 } dd { margin: 0; overflow-wrap: anywhere }
+"""
+
+
+def _headline(report: Report) -> str:
+    summary = report.summary
+    people = len(report.evaluation.errors)
+    numbers = {
+        f'{100 * summary.mean_error_m:.1f} cm': 'mean error of a joint',
+        f'{100 * summary.map:.1f} %': f'of the joints within {100 * report.tolerance:g} cm (mAP)',
+        f'{people}': f'labelled people in {len(report.evaluation.seconds)} frames',
+    }
+    parts = ''.join(
+        f'<div><b>{number}</b><span>{meaning}</span></div>' for number, meaning in numbers.items()
+    )
+    return f'<div class="headline">{parts}</div>'
+
+
+def _facts(facts: dict[str, str]) -> str:
+    lines = ''.join(
+        f'<dt>{escape(name)}</dt><dd>{escape(value)}</dd>' for name, value in facts.items()
+    )
+    return f'<dl>{lines}</dl>' if lines else ''
+
+
+def _table(report: Report) -> str:
+    summary = report.summary
+    rows = ''.join(
+        f'<tr><td>{escape(name)}</td><td>{100 * score.mean_error_m:.1f}</td>'
+        f'<td>{100 * score.ap:.1f}</td><td>{score.n}</td></tr>\n'
+        for name, score in summary.joints.items()
+    )
+    return (
+        '<table>\n<thead><tr><th>joint</th><th>mean error, cm</th>'
+        f'<th>within {100 * report.tolerance:g} cm, %</th><th>labelled</th></tr></thead>\n'
+        f'<tbody>\n{rows}</tbody>\n'
+        f'<tfoot><tr><td>mean</td><td>{100 * summary.mean_error_m:.1f}</td>'
+        f'<td>{100 * summary.map:.1f}</td><td></td></tr></tfoot>\n</table>'
+    )
+
+
+def _confidence(reliability: Reliability) -> str:
+    return (
+        f'<h2>Confidence</h2>\n<p>Of the joints with a confidence of 80 %, about 80 % should lie '
+        f'within {100 * reliability.within_m:g} cm of the truth. On the average over all joints, '
+        f'confidence is off by {100 * reliability.ece:.1f} % (expected calibration error).</p>\n'
+        f'{_image(reliability_plot(reliability), "Share of joints that are near, by confidence")}'
+    )
+
+
+def _frames(heading: str, frames: list[DrawnFrame]) -> str:
+    if not frames:
+        return ''
+    return f'<h2>{heading}</h2>\n{_image(contact_sheet(frames), heading)}'
+
+
+def _image(figure: Figure, description: str) -> str:
+    data = base64.b64encode(png_bytes(figure, scale=_FINENESS)).decode()
+    width = round(figure.get_figwidth() * figure.dpi)
+    return f'<img width="{width}" alt="{escape(description)}" src="data:image/png;base64,{data}">'

@@ -1,0 +1,1 @@
+"""One body through every stage of the method, a picture each."""

@@ -1,0 +1,106 @@
+"""A replay answers as a live node does: both go through one `Sequence`."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.bags import RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC, answer_frames
+from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.estimation.temporal import Sequence, SequenceSettings
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.segmentation.segmenter import (
+    NEAREST,
+    SegmentationSettings,
+    make_segmenter,
+    segment,
+)
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
+
+ALL = SequenceSettings(smoothing=True, smoothing_beta=2.0, tracked=True)
+
+
+@pytest.fixture(scope='module')
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two people, whose masks change numbers, and then one of them alone."""
+    path = tmp_path_factory.mktemp('answering') / 'two.mcap'
+    settings = SyntheticSettings(
+        frames=16, seed=2, width=160, height=120, distance=(2.4, 3.0), people=2, rate=30.0
+    )
+    with RecordingWriter(path) as writer:
+        for number, frame in enumerate(synthetic_frames(settings)):
+            labels = frame.labels
+            if number % 5 == 2:
+                labels = np.where(labels == NO_BODY, NO_BODY, 3 - labels).astype(np.int32)
+            if number > 12:
+                labels = np.where(labels == 2, 1, NO_BODY).astype(np.int32)
+            writer.write_frame(frame._replace(labels=labels, ground_truth=None))
+    return path
+
+
+def live(frames: list[Frame], model: Model, settings: SequenceSettings) -> list[Skeletons]:
+    """What a node's worker does, one frame after the other."""
+    sequence = Sequence(Estimator(model), settings)
+    return [sequence.answer(each.stamp, each.depth, each.labels, each.camera) for each in frames]
+
+
+def assert_same(found: list[Skeletons], expected: list[Skeletons]) -> None:
+    assert len(found) == len(expected)
+    for one, other in zip(found, expected, strict=True):
+        for name in Skeletons._fields:
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
+
+
+def written(path: Path) -> list[Skeletons]:
+    return [
+        read_skeletons(message.data).skeletons
+        for message in read_messages(path)
+        if message.topic == SKELETONS_TOPIC
+    ]
+
+
+@pytest.mark.parametrize(
+    'settings',
+    [SequenceSettings(), SequenceSettings(tracked=True), SequenceSettings(smoothing=True), ALL],
+)
+def test_replay_and_live_give_the_same_joints(
+    recording: Path, small_model: Model, settings: SequenceSettings, tmp_path: Path
+) -> None:
+    output = tmp_path / 'out.mcap'
+    with RecordingWriter(output) as writer:
+        sequence = Sequence(Estimator(small_model), settings)
+        answers = list(answer_frames(open_frames(recording), sequence, writer))
+    expected = live(list(open_frames(recording)), small_model, settings)
+    assert_same(answers, expected)
+    assert_same(written(output), expected)
+    assert np.isfinite(answers[0].positions).any()
+
+
+def test_settings_make_a_difference(recording: Path, small_model: Model) -> None:
+    frames = list(open_frames(recording))
+    plain, smooth = (live(frames, small_model, each) for each in (SequenceSettings(), ALL))
+    assert not np.array_equal(plain[1].positions, smooth[1].positions, equal_nan=True)
+
+
+def test_bodies_without_masks(recording: Path, small_model: Model, tmp_path: Path) -> None:
+    frames = list(open_frames(recording))
+    how = SegmentationSettings(segmentation=NEAREST, range_min=0.5, range_max=3.6)
+    segmenter = make_segmenter(how)
+    assert segmenter is not None
+    expected = live(
+        [
+            each._replace(labels=segment(segmenter, each.stamp, each.depth, each.camera))
+            for each in frames
+        ],
+        small_model,
+        ALL,
+    )
+    with RecordingWriter(tmp_path / 'out.mcap') as writer:
+        sequence = Sequence(Estimator(small_model), ALL)
+        found = list(answer_frames(open_frames(recording), sequence, writer, make_segmenter(how)))
+    assert_same(found, expected)
+    assert np.isfinite(found[0].positions).any()

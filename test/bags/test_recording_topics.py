@@ -1,0 +1,158 @@
+"""Which topics make up a frame."""
+
+import pytest
+
+from lsc_pose_ros.bags.storage.raw_messages import (
+    CAMERA_INFO,
+    COMPRESSED_IMAGE,
+    IMAGE,
+    POINT_CLOUD,
+    TopicSummary,
+)
+from lsc_pose_ros.bags.topics import Recorded, Topics, find_topics
+from lsc_pose_ros.errors import InputError
+
+KINDS = {'i': IMAGE, 'z': COMPRESSED_IMAGE, 'c': CAMERA_INFO, 'p': POINT_CLOUD, 'o': 'std/msg/X'}
+
+
+def recorded(encodings=None, empty=(), **topics):
+    """Topics as kind='name name'; asking for encodings where there are none is an error."""
+    summaries = {
+        name: TopicSummary(KINDS[kind], 0 if name in empty else 5, '')
+        for kind, names in topics.items()
+        for name in names.split()
+    }
+
+    def ask(names):
+        assert encodings is not None, f'the names {names} should have been enough'
+        return {name: encodings[name] for name in names if name in encodings}
+
+    return Recorded('bag', summaries, ask)
+
+
+def test_the_defaults_win():
+    found = find_topics(
+        Topics(),
+        recorded(
+            i='/depth/image /mask /other/depth/image /other/mask',
+            c='/depth/camera_info /other/camera_info',
+            p='/ground_truth/skeletons /other/truth',
+        ),
+    )
+    assert found == Topics(
+        '/depth/image', '/depth/camera_info', '/mask', '/ground_truth/skeletons'
+    )
+
+
+def test_a_realsense():
+    found = find_topics(
+        Topics(),
+        recorded(
+            i='/camera/color/image_raw /camera/depth/image_rect_raw /camera/infra1/image_rect_raw '
+            '/people/segmentation',
+            c='/camera/color/camera_info /camera/depth/camera_info /camera/infra1/camera_info',
+            p='/camera/depth/color/points',
+        ),
+    )
+    assert found == Topics(
+        '/camera/depth/image_rect_raw', '/camera/depth/camera_info', '/people/segmentation', ''
+    )
+
+
+def test_an_azure_kinect():
+    found = find_topics(
+        Topics(),
+        recorded(i='/depth/image_raw /body_index_map/image_raw /ir/image_raw',
+                 c='/depth/camera_info /ir/camera_info'),
+    )  # fmt: skip
+    assert found[:3] == ('/depth/image_raw', '/depth/camera_info', '/body_index_map/image_raw')
+
+
+def test_compressed_depth_only():
+    found = find_topics(
+        Topics(),
+        recorded(z='/cam/depth/image_raw/compressedDepth /cam/mask/compressed',
+                 c='/cam/depth/camera_info /cam/color/camera_info'),
+    )  # fmt: skip
+    assert found[:3] == (
+        '/cam/depth/image_raw/compressedDepth',
+        '/cam/depth/camera_info',
+        '/cam/mask/compressed',
+    )
+
+
+def test_an_image_is_preferred_to_its_compressed_copy():
+    found = find_topics(
+        Topics(),
+        recorded(i='/cam/depth /m/mask', z='/cam/depth/compressedDepth /m/mask/compressed',
+                 c='/cam/camera_info'),
+    )  # fmt: skip
+    assert found[:3] == ('/cam/depth', '/cam/camera_info', '/m/mask')
+
+
+def test_the_encoding_decides_where_the_names_do_not():
+    offer = recorded(
+        {'/a/depth': '16UC1', '/a/depth_colour': 'bgr8'},
+        i='/a/depth /a/depth_colour /mask', c='/a/camera_info',
+    )  # fmt: skip
+    assert find_topics(Topics(), offer).depth == '/a/depth'
+    offer = recorded({'/left': 'mono8', '/tof': '32FC1'}, i='/left /tof /mask', c='/camera_info')
+    assert find_topics(Topics(), offer)[:2] == ('/tof', '/camera_info')
+
+
+def test_topics_without_messages_do_not_count():
+    offer = recorded(i='/a/depth /b/depth /mask', c='/a/camera_info', empty=['/b/depth'])
+    assert find_topics(Topics(), offer).depth == '/a/depth'
+
+
+def test_names_that_are_given_are_taken():
+    offer = recorded(i='/a /b /depth/image', c='/c /d', p='/t')
+    assert find_topics(Topics('/a', '/d', '/b', '/t'), offer) == ('/a', '/d', '/b', '/t')
+
+
+@pytest.mark.parametrize(
+    ('topics', 'offer', 'words'),
+    [
+        (
+            Topics(),
+            recorded({'/a/depth': '16UC1', '/b/depth': '16UC1'}, i='/a/depth /b/depth /mask'),
+            'several topics could be the depth: /a/depth, /b/depth; choose with --depth-topic',
+        ),
+        (
+            Topics(),
+            recorded(i='/depth/image /m/label /m/mask', c='/depth/camera_info'),
+            'several topics could be the mask: /m/label, /m/mask; choose with --mask-topic',
+        ),
+        (
+            Topics(),
+            recorded(i='/a/depth /mask', c='/b/camera_info /c/camera_info'),
+            'the camera info: /b/camera_info, /c/camera_info; choose with --camera-info-topic',
+        ),
+        (
+            Topics(),
+            recorded(i='/depth/image /mask', c='/depth/camera_info', p='/a/truth /b/truth'),
+            'choose with --ground-truth-topic',
+        ),
+        (Topics(), recorded({'/x': 'bgr8'}, i='/x', c='/camera_info'), 'no depth topic; choose'),
+        (Topics(), recorded({}, o='/x'), 'no depth topic; the recording has no messages of'),
+        (Topics(), recorded(i='/depth/image /mask'), 'no camera info'),
+        (Topics(), recorded(i='/depth/image', c='/depth/camera_info'), 'no mask topic'),
+        (
+            Topics('/y'),
+            recorded(i='/x', c='/c'),
+            'no topic /y; choose with --depth-topic among /x',
+        ),
+        (Topics('/x'), recorded(o='/x', i='/y'), 'the topic /x is a std/msg/X'),
+        (Topics(ground_truth='/t'), recorded(i='/depth/image /mask', c='/c'), 'no topic /t'),
+    ],
+)
+def test_what_is_missing_or_ambiguous(topics, offer, words):
+    with pytest.raises(InputError) as caught:
+        find_topics(topics, offer)
+    assert str(caught.value).startswith('bag: ')
+    assert words in str(caught.value)
+
+
+def test_a_mask_need_not_be():
+    offer = recorded(i='/depth/image', c='/depth/camera_info')
+    assert find_topics(Topics(), offer, need_mask=False).mask == ''

@@ -1,0 +1,373 @@
+"""The import of UTD-MHAD: mirroring, lag, label filter, selection, errors; and the real data."""
+
+import argparse
+import builtins
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.cli.commands import import_command
+from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
+from lsc_pose_ros.datasets.utd_mhad import (
+    CAMERA,
+    JOINT_ORDER,
+    LAG,
+    Selection,
+    import_utd_mhad,
+    near_mask,
+    select_takes,
+)
+from lsc_pose_ros.datasets.utd_mhad_files import Take
+from lsc_pose_ros.errors import InputError
+
+HEIGHT, WIDTH = 240, 320
+DISTANCE = 2.5
+
+
+def write_sequence(
+    folder: Path,
+    action: int,
+    subject: int,
+    trial: int,
+    length: int = 5,
+    *,
+    skeleton_length: int | None = None,
+) -> None:
+    """Write a sequence whose depth image k is (1000 + k) mm in its right half.
+
+    Joint j of skeleton k is at (0.01 j, 0.02 j, 2.5 + 0.001 k), in the data set's own axes.
+    """
+    scipy_io = pytest.importorskip('scipy.io')
+    for name in ('Depth', 'Skeleton'):
+        (folder / name).mkdir(exist_ok=True)
+    depth = np.zeros((HEIGHT, WIDTH, length), np.uint16)
+    depth[:, WIDTH // 2 :] = 1000 + np.arange(length)
+    joints = np.arange(20.0)
+    skeleton_length = length if skeleton_length is None else skeleton_length
+    skeleton = np.empty((20, 3, skeleton_length))
+    skeleton[:, 0] = 0.01 * joints[:, None]
+    skeleton[:, 1] = 0.02 * joints[:, None]
+    skeleton[:, 2] = DISTANCE + 0.001 * np.arange(skeleton_length)
+    stem = f'a{action}_s{subject}_t{trial}'
+    scipy_io.savemat(folder / 'Depth' / f'{stem}_depth.mat', {'d_depth': depth})
+    scipy_io.savemat(folder / 'Skeleton' / f'{stem}_skeleton.mat', {'d_skel': skeleton})
+
+
+@pytest.fixture
+def small(tmp_path: Path) -> Path:
+    for action, subject, trial in ((1, 1, 1), (10, 1, 1), (2, 1, 2), (1, 2, 1)):
+        write_sequence(tmp_path, action, subject, trial)
+    return tmp_path
+
+
+def stems(takes: list[Take]) -> list[str]:
+    return [take.depth_path.name.removesuffix('_depth.mat') for take in takes]
+
+
+def test_sequences_are_sorted_by_subject_action_and_trial(small: Path) -> None:
+    takes = select_takes(small, Selection())
+    assert stems(takes) == ['a1_s1_t1', 'a2_s1_t2', 'a10_s1_t1', 'a1_s2_t1']
+
+
+@pytest.mark.parametrize(
+    ('selection', 'expected'),
+    [
+        (Selection(subjects=[2]), ['a1_s2_t1']),
+        (Selection(actions=[2, 10]), ['a2_s1_t2', 'a10_s1_t1']),
+        (Selection(trials=[2]), ['a2_s1_t2']),
+        (Selection(subjects=[1], actions=[1]), ['a1_s1_t1']),
+    ],
+)
+def test_selection_takes_what_it_names(
+    small: Path, selection: Selection, expected: list[str]
+) -> None:
+    assert stems(select_takes(small, selection)) == expected
+
+
+def test_image_and_positions_are_unmirrored(small: Path) -> None:
+    frame = next(import_utd_mhad(select_takes(small, Selection()), label_filter=False))
+    assert frame.depth.shape == (HEIGHT, WIDTH)
+    assert frame.depth.dtype == np.float32
+    assert (frame.depth[:, : WIDTH // 2] == np.float32(1.002)).all()
+    assert (frame.depth[:, WIDTH // 2 :] == 0).all()
+    expected = np.empty((20, 3))
+    for place, name in enumerate(JOINT_ORDER):
+        expected[JOINT_NUMBERS[name]] = (-0.01 * place, -0.02 * place, DISTANCE)
+    np.testing.assert_allclose(frame.ground_truth.positions[0], expected, atol=1e-6)
+    assert frame.camera == (285.63, 285.63, 159.0, 120.0)
+    assert frame.frame_id == 'camera_depth_optical_frame'
+
+
+def test_depth_gets_the_skeleton_two_frames_before(small: Path) -> None:
+    frames = list(import_utd_mhad(select_takes(small, Selection(subjects=[2]))))
+    assert LAG == 2
+    assert len(frames) == 3
+    for index, frame in enumerate(frames):
+        assert frame.depth.max() == np.float32((1002 + index) / 1000)
+        head = frame.ground_truth.positions[0, JOINT_NUMBERS['head']]
+        assert head[2] == pytest.approx(DISTANCE + 0.001 * index, abs=1e-6)
+
+
+def test_labels_are_body_one_where_there_is_depth(small: Path) -> None:
+    frame = next(import_utd_mhad(select_takes(small, Selection())))
+    assert frame.labels.dtype == np.int32
+    np.testing.assert_array_equal(frame.labels, np.where(frame.depth > 0, 1, NO_BODY))
+    assert frame.ground_truth.bodies.tolist() == [1]
+    assert frame.ground_truth.joints.tolist() == list(range(20))
+
+
+def test_stamps_are_thirty_hertz_with_a_gap_between_sequences(small: Path) -> None:
+    stamps = np.array([frame.stamp for frame in import_utd_mhad(select_takes(small, Selection()))])
+    steps = np.diff(stamps)
+    inside = np.ones(len(steps), bool)
+    inside[2::3] = False
+    np.testing.assert_allclose(steps[inside], 1e9 / 30, atol=1)
+    assert (steps[~inside] > 10**9).all()
+
+
+def test_stamps_do_not_depend_on_how_many_frames_are_drawn(small: Path) -> None:
+    every = {frame.stamp for frame in import_utd_mhad(select_takes(small, Selection()))}
+    some = select_takes(small, Selection(max_frames=5, seed=3))
+    assert {frame.stamp for frame in import_utd_mhad(some)} <= every
+
+
+def test_stride_keeps_every_nth_frame(small: Path) -> None:
+    takes = select_takes(small, Selection(stride=2))
+    assert [take.frames.tolist() for take in takes] == [[2, 4]] * 4
+
+
+def test_drawn_frames_are_distinct_even_and_repeatable(tmp_path: Path) -> None:
+    for trial in (1, 2, 3):
+        write_sequence(tmp_path, 1, 1, trial, length=42)
+    selection = Selection(max_frames=30, seed=5)
+    takes = select_takes(tmp_path, selection)
+    again = select_takes(tmp_path, selection)
+    assert [take.frames.tolist() for take in takes] == [take.frames.tolist() for take in again]
+    assert [len(take.frames) for take in takes] == [10, 10, 10]
+    for take in takes:
+        assert take.frames.min() >= LAG
+        assert take.frames.max() < 42
+        assert (np.diff(take.frames) > 0).all()
+    other = select_takes(tmp_path, selection._replace(seed=6))
+    assert [take.frames.tolist() for take in takes] != [take.frames.tolist() for take in other]
+
+
+def test_drawing_more_than_there_is_takes_all(small: Path) -> None:
+    takes = select_takes(small, Selection(max_frames=1000))
+    assert sum(len(take.frames) for take in takes) == 12
+
+
+def naive_near_mask(
+    positions: NDArray[np.float32], mask: NDArray[np.bool_], margin: int
+) -> NDArray[np.bool_]:
+    rows, columns = np.nonzero(mask)
+    near = []
+    for x, y, z in positions:
+        if not (np.isfinite([x, y, z]).all() and z > 0):
+            near.append(False)
+            continue
+        column = np.rint(np.float32(CAMERA.cx + CAMERA.fx * x / z))
+        row = np.rint(np.float32(CAMERA.cy + CAMERA.fy * y / z))
+        near.append(bool(((columns - column) ** 2 + (rows - row) ** 2 <= margin**2).any()))
+    return np.array(near)
+
+
+@pytest.mark.parametrize('margin', [0, 3])
+def test_label_filter_measures_the_distance_to_the_mask(margin: int) -> None:
+    random = np.random.default_rng(8)
+    for _ in range(20):
+        mask = random.random((HEIGHT, WIDTH)) < 0.01
+        positions = random.uniform([-2, -1.5, 1], [2, 1.5, 3], (50, 3)).astype(np.float32)
+        np.testing.assert_array_equal(
+            near_mask(positions, mask, margin), naive_near_mask(positions, mask, margin)
+        )
+
+
+def test_label_filter_survives_degenerate_labels() -> None:
+    mask = np.ones((HEIGHT, WIDTH), bool)
+    positions = np.array(
+        [[0, 0, 2], [np.nan, 0, 2], [0, 0, 0], [0, 0, -1], [1e30, 0, 1], [0, np.inf, 1]],
+        np.float32,
+    )
+    assert near_mask(positions, mask).tolist() == [True, False, False, False, False, False]
+    assert not near_mask(positions, np.zeros_like(mask)).any()
+
+
+def test_joints_off_the_mask_are_not_labelled_unless_asked(small: Path) -> None:
+    takes = select_takes(small, Selection())
+    filtered = next(import_utd_mhad(takes)).ground_truth
+    kept = next(import_utd_mhad(takes, label_filter=False)).ground_truth
+    # The mask is the left half; the joints go from column 159 to the left, the last ones above
+    # the image.
+    assert np.isfinite(kept.positions).all()
+    assert (kept.confidence == 1).all()
+    gone = np.isnan(filtered.positions[0]).all(axis=1)
+    rows = project(kept.positions[0], CAMERA)[:, 1]
+    np.testing.assert_array_equal(gone, rows < -3)
+    np.testing.assert_array_equal(filtered.confidence[0], np.where(gone, 0, 1))
+
+
+@pytest.mark.parametrize(
+    ('selection', 'words'),
+    [
+        (Selection(subjects=[9]), 'no sequence of subject 9; it has 1, 2'),
+        (Selection(actions=[3]), 'no sequence of action 3'),
+        (Selection(trials=[4]), 'no sequence of trial 4'),
+        (Selection(subjects=[2], trials=[2]), 'no sequence in .* at once'),
+        (Selection(stride=0), 'stride is 0'),
+        (Selection(max_frames=0), 'number of frames is 0'),
+        (Selection(seed=-1), 'seed is -1'),
+    ],
+)
+def test_selection_that_cannot_be_met_is_refused(
+    small: Path, selection: Selection, words: str
+) -> None:
+    with pytest.raises(InputError, match=words):
+        select_takes(small, selection)
+
+
+def test_folder_that_is_no_utd_mhad_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match='no folders Depth and Skeleton'):
+        select_takes(tmp_path / 'nowhere', Selection())
+    (tmp_path / 'Depth').mkdir()
+    (tmp_path / 'Skeleton').mkdir()
+    with pytest.raises(InputError, match=r'holds no file aA_sS_tT_depth\.mat'):
+        select_takes(tmp_path, Selection())
+
+
+def test_sequences_too_short_for_the_lag_are_refused(tmp_path: Path) -> None:
+    write_sequence(tmp_path, 1, 1, 1, length=2)
+    with pytest.raises(InputError, match='longer than 2 frames'):
+        select_takes(tmp_path, Selection())
+
+
+def test_missing_skeleton_is_refused(small: Path) -> None:
+    (small / 'Skeleton' / 'a1_s1_t1_skeleton.mat').unlink()
+    with pytest.raises(InputError, match=r'a1_s1_t1_skeleton\.mat is missing'):
+        select_takes(small, Selection())
+
+
+def test_file_without_its_key_is_refused(small: Path) -> None:
+    scipy_io = pytest.importorskip('scipy.io')
+    scipy_io.savemat(small / 'Depth' / 'a1_s1_t1_depth.mat', {'other': np.zeros(3)})
+    takes = select_takes(small, Selection())
+    with pytest.raises(InputError, match='holds no d_depth'):
+        next(import_utd_mhad(takes))
+
+
+def test_damaged_file_is_refused(small: Path) -> None:
+    path = small / 'Depth' / 'a1_s1_t1_depth.mat'
+    takes = select_takes(small, Selection())
+    whole = path.read_bytes()
+    for damaged in (b'', b'no mat file at all', whole[:200], whole[: len(whole) // 2]):
+        path.write_bytes(damaged)
+        with pytest.raises(InputError, match=r'cannot be read as a \.mat file'):
+            next(import_utd_mhad(takes))
+
+
+def test_depth_and_skeletons_of_different_length_are_refused(tmp_path: Path) -> None:
+    write_sequence(tmp_path, 1, 1, 1, length=5, skeleton_length=6)
+    with pytest.raises(InputError, match=r'\(240, 320, 5\).* 6 frames'):
+        next(import_utd_mhad(select_takes(tmp_path, Selection())))
+
+
+def test_skeletons_of_another_shape_are_refused(small: Path) -> None:
+    scipy_io = pytest.importorskip('scipy.io')
+    path = small / 'Skeleton' / 'a1_s1_t1_skeleton.mat'
+    scipy_io.savemat(path, {'d_skel': np.zeros((15, 3, 5))})
+    with pytest.raises(InputError, match=r'\(15, 3, 5\), not \(20, 3, T\)'):
+        select_takes(small, Selection())
+
+
+def test_missing_scipy_is_named_with_its_remedy(
+    small: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    true_import = builtins.__import__
+
+    def without_scipy(name: str, *arguments: Any, **keywords: Any) -> Any:
+        if name.startswith('scipy'):
+            raise ImportError(name)
+        return true_import(name, *arguments, **keywords)
+
+    monkeypatch.setattr(builtins, '__import__', without_scipy)
+    with pytest.raises(InputError, match=r'pip install lsc_pose_ros\[mat\].*python3-scipy'):
+        select_takes(small, Selection())
+
+
+def run_command(*words: object) -> int:
+    parser = argparse.ArgumentParser()
+    import_command.add_arguments(parser)
+    return import_command.run(parser.parse_args([str(word) for word in words]))
+
+
+def test_command_writes_a_labelled_recording(
+    small: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / 'out.mcap'
+    assert run_command('utd-mhad', small, output, '--subjects', 1, '--no-label-filter') == 0
+    assert '9 frames of 3 sequences' in capsys.readouterr().out
+    takes = select_takes(small, Selection(subjects=[1]))
+    expected = list(import_utd_mhad(takes, label_filter=False))
+    read = list(open_frames(output))
+    assert [frame.stamp for frame in read] == [frame.stamp for frame in expected]
+    for frame, original in zip(read, expected, strict=True):
+        np.testing.assert_allclose(frame.depth, original.depth, atol=1e-6)
+        np.testing.assert_array_equal(frame.labels, original.labels)
+        np.testing.assert_array_equal(
+            frame.ground_truth.positions, original.ground_truth.positions
+        )
+        assert frame.camera == pytest.approx(original.camera)
+
+
+def test_help_states_the_three_corrections(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        run_command('utd-mhad', '--help')
+    text = capsys.readouterr().out
+    for words in ('flipped left-right', '2 frames ahead', '3 pixels outside the mask'):
+        assert words in text
+
+
+def test_joints_lie_in_the_real_masks_as_often_as_measured(shared: Path) -> None:
+    """The shares that hold only if mirroring, intrinsics, lag and joint order are all right."""
+    pytest.importorskip('scipy')
+    takes = select_takes(shared / 'utd_mhad', Selection(trials=[1, 3], max_frames=300))
+    inside, near = [], []
+    for frame in import_utd_mhad(takes, label_filter=False):
+        mask = frame.depth > 0
+        inside.append(near_mask(frame.ground_truth.positions[0], mask, 0))
+        near.append(near_mask(frame.ground_truth.positions[0], mask))
+    share = dict(zip(JOINT_NAMES, np.mean(inside, axis=0), strict=True))
+    assert share['r_hand'] == pytest.approx(0.76, abs=0.08)
+    assert np.mean(near, axis=0)[JOINT_NUMBERS['r_hand']] == pytest.approx(0.93, abs=0.04)
+    assert share['r_wrist'] == pytest.approx(0.90, abs=0.06)
+    assert share['l_elbow'] == pytest.approx(0.97, abs=0.03)
+    for name in ('head', 'neck', 'torso', 'pelvis', 'l_hip', 'r_hip', 'l_knee', 'r_knee'):
+        assert share[name] > 0.98
+
+
+def test_right_hand_waves_at_image_left_in_the_real_data(shared: Path) -> None:
+    """Action 3 is a wave of the right hand: the arm that leaves the body must be the right one."""
+    pytest.importorskip('scipy')
+    takes = select_takes(shared / 'utd_mhad', Selection(subjects=[1], actions=[3], trials=[1]))
+    right, left = JOINT_NUMBERS['r_hand'], JOINT_NUMBERS['l_hand']
+    heights = []
+    for frame in import_utd_mhad(takes, label_filter=False):
+        positions = frame.ground_truth.positions[0]
+        assert positions[right, 0] < positions[left, 0]
+        heights.append(positions[[right, left], 1])
+    lifted = np.ptp(np.array(heights), axis=0)
+    assert lifted[0] > 0.3
+    assert lifted[1] < 0.1
+
+
+def test_real_subjects_have_the_documented_number_of_sequences(shared: Path) -> None:
+    pytest.importorskip('scipy')
+    takes = select_takes(shared / 'utd_mhad', Selection())
+    assert len(takes) == 646
+    assert sum(take.skeletons.shape[2] for take in takes) == 43_314

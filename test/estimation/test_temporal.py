@@ -1,0 +1,112 @@
+"""Frames that follow one another: numbers that last, smoothing, beginning anew."""
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.estimation.temporal import REWIND_NS, Sequence, SequenceSettings
+from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
+from lsc_pose_ros.tracking.tracker import Tracker
+
+FRAME = 33_000_000
+START = 1_700_000_000 * 10**9
+SMOOTHED = SequenceSettings(smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
+BOTH = SMOOTHED._replace(tracked=True)
+
+
+class Script:
+    """An estimator that answers what is written down."""
+
+    def __init__(self, answers):
+        self.answers = iter(answers)
+
+    def estimate(self, _depth, _labels, _camera):
+        return next(self.answers)
+
+
+@pytest.fixture
+def answers():
+    """Two people whom the mask renumbers now and then; noisy joints, some unknown."""
+    random = np.random.default_rng(6)
+    made = []
+    for frame in range(30):
+        positions = random.normal(0, 0.01, (2, 3, 3)).astype(np.float32)
+        positions[1, :, 0] += 2
+        positions[random.random((2, 3)) < 0.1] = np.nan
+        if frame % 7 > 3:
+            positions = positions[::-1]
+        made.append(
+            Skeletons(
+                np.array([1, 2], np.uint16),
+                np.arange(3, dtype=np.uint16),
+                np.ascontiguousarray(positions),
+                random.random((2, 3)).astype(np.float32),
+            )
+        )
+    return made
+
+
+def run(sequence, count, start=START):
+    return [sequence.answer(start + n * FRAME, None, None, None) for n in range(count)]
+
+
+def assert_same(found, expected):
+    assert len(found) == len(expected)
+    for one, other in zip(found, expected, strict=True):
+        for name in Skeletons._fields:
+            np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
+
+
+def test_nothing_is_done_unasked(answers):
+    assert_same(run(Sequence(Script(answers), SequenceSettings()), 30), answers)
+
+
+def test_numbers_first_then_smoothing(answers):
+    tracker, smoothing = Tracker(), OneEuroBodies()
+    expected = [
+        smoothing.filter(
+            START + n * FRAME,
+            tracker.follow(START + n * FRAME, each),
+            OneEuroSettings(1.0, 2.0),
+        )
+        for n, each in enumerate(answers)
+    ]
+    found = run(Sequence(Script(answers), BOTH), 30)
+    assert_same(found, expected)
+    known = np.array([each.positions[:, :, 0] for each in found])
+    assert np.nanmax(np.abs(known - [[[0], [2]]])) < 0.2
+
+
+@pytest.mark.parametrize('settings', [SMOOTHED, BOTH])
+def test_stamps_that_go_back_begin_anew(answers, settings):
+    once = run(Sequence(Script(answers), settings), 30)
+    twice = Sequence(Script([*answers, *answers]), settings)
+    assert_same([*run(twice, 30), *run(twice, 30)], [*once, *once])
+    late = Sequence(Script([*answers, answers[0]]), settings)
+    run(late, 30)
+    newest = START + 29 * FRAME
+    found = late.answer(newest - REWIND_NS, None, None, None)
+    assert late._newest == newest
+    assert found.bodies.tolist() == [1, 2]
+
+
+def test_reset_forgets(answers):
+    sequence = Sequence(Script([*answers[:10], *answers]), BOTH)
+    run(sequence, 10)
+    sequence.reset()
+    assert_same(
+        run(sequence, 30, START + 10 * FRAME),
+        run(Sequence(Script(answers), BOTH), 30, START + 10 * FRAME),
+    )
+
+
+def test_settings_and_estimator_change_while_it_runs(answers):
+    sequence = Sequence(Script(answers), SequenceSettings())
+    assert_same(run(sequence, 5), answers[:5])
+    sequence.settings = SMOOTHED
+    first, second = run(sequence, 2, START + 5 * FRAME)
+    assert_same([first], [answers[5]])  # the filter knows nothing yet
+    assert not np.array_equal(second.positions, answers[6].positions, equal_nan=True)
+    sequence.estimator = Script(answers)
+    sequence.settings = SequenceSettings()
+    assert_same(run(sequence, 3, START + 7 * FRAME), answers[:3])

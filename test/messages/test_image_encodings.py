@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.image_encodings import (
+    ImageLayout,
+    decode_depth,
+    decode_mask,
+    label_pixels,
+)
+
+
+def as_image(pixels, encoding, *, big_endian=False, padding=0):
+    """Return the bytes and the layout of an image message that shows `pixels`."""
+    stored = pixels.astype(pixels.dtype.newbyteorder('>' if big_endian else '<'))
+    rows = [row.tobytes() + b'\xaa' * padding for row in stored]
+    layout = ImageLayout(encoding, *pixels.shape, len(rows[0]), big_endian)
+    return b''.join(rows), layout
+
+
+@pytest.mark.parametrize('big_endian', [False, True])
+@pytest.mark.parametrize('padding', [0, 1, 4])
+@pytest.mark.parametrize('encoding', ['16UC1', 'mono16'])
+def test_millimetres_become_metres(encoding, padding, big_endian):
+    pixels = np.random.default_rng(0).integers(0, 65536, (5, 7)).astype(np.uint16)
+    depth = decode_depth(*as_image(pixels, encoding, big_endian=big_endian, padding=padding))
+    assert depth.dtype == np.float32
+    np.testing.assert_allclose(depth, pixels / 1000, rtol=1e-6)
+
+
+@pytest.mark.parametrize('big_endian', [False, True])
+def test_metres_stay_and_what_is_invalid_becomes_zero(big_endian):
+    pixels = np.array([[1.5, np.nan, np.inf], [-np.inf, -1.0, 0.0]], np.float32)
+    depth = decode_depth(*as_image(pixels, '32FC1', big_endian=big_endian))
+    np.testing.assert_array_equal(depth, np.array([[1.5, 0, 0], [0, 0, 0]], np.float32))
+
+
+@pytest.mark.parametrize(
+    ('encoding', 'kind'),
+    [('mono8', 'u1'), ('8UC1', 'u1'), ('16UC1', 'u2'), ('mono16', 'u2'), ('32SC1', 'i4')],
+)
+@pytest.mark.parametrize('background', [0, 255])
+def test_a_mask_gives_body_numbers(encoding, kind, background):
+    pixels = np.array([[0, 1, 7], [255, 255, 0]], kind)
+    labels = decode_mask(*as_image(pixels, encoding, padding=3), background)
+    expected = np.where(pixels == background, NO_BODY, pixels.astype(np.int64))
+    np.testing.assert_array_equal(labels, expected)
+    assert labels.dtype == np.int32
+
+
+@pytest.mark.parametrize('value', [-1, 65536])
+def test_a_body_number_must_fit_the_message(value):
+    with pytest.raises(InputError, match=f'body number {value}.*mask_background'):
+        label_pixels(np.array([[0, value]], np.int32))
+
+
+def test_a_background_of_minus_one_is_no_body():
+    labels = label_pixels(np.array([[-1, 4]], np.int32), -1)
+    np.testing.assert_array_equal(labels, [[NO_BODY, 4]])
+
+
+@pytest.mark.parametrize(
+    ('decode', 'what'), [(decode_depth, 'depth image'), (decode_mask, 'mask')]
+)
+def test_an_unknown_encoding_is_named_with_those_that_are_known(decode, what):
+    with pytest.raises(InputError, match=f"{what}: unknown encoding 'rgb8'; .*16UC1"):
+        decode(b'\0' * 12, ImageLayout('rgb8', 2, 2, 6, big_endian=False))
+
+
+@pytest.mark.parametrize(
+    'layout',
+    [
+        ImageLayout('16UC1', 0, 2, 4, big_endian=False),
+        ImageLayout('16UC1', 2, 0, 4, big_endian=False),
+        ImageLayout('16UC1', 2, 2, 3, big_endian=False),
+        ImageLayout('16UC1', 3, 2, 4, big_endian=False),
+    ],
+)
+def test_bytes_that_do_not_fill_the_image_are_refused(layout):
+    with pytest.raises(InputError, match='8 bytes do not fill'):
+        decode_depth(b'\0' * 8, layout)
+
+
+def test_decoding_does_not_write_to_the_message():
+    data = np.array([[0, 1500]], np.uint16).tobytes()
+    decode_depth(data, ImageLayout('16UC1', 1, 2, 4, big_endian=False))[0, 0] = 9
+    assert data == np.array([[0, 1500]], np.uint16).tobytes()

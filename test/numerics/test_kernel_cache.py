@@ -1,0 +1,221 @@
+"""Where machine code is kept: programs of their own run small kernels of an installation."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import lsc_pose_ros
+
+# A kernel that calls one of another file, which has a constant from a third.
+CONSTANTS = 'FACTOR = 2.0\n'
+INNER = """
+from lsc_pose_ros.numerics.jit import kernel
+from lsc_pose_ros.numerics.constants import FACTOR
+
+@kernel
+def scale(x):
+    return x * FACTOR
+"""
+OUTER = """
+from lsc_pose_ros.numerics.jit import kernel
+from lsc_pose_ros.numerics.inner import scale
+
+@kernel
+def outer(x):
+    return scale(x) + 1
+"""
+CALL = """
+from lsc_pose_ros.numerics.outer import outer
+print(outer(1.5), sum(outer.stats.cache_hits.values()))
+"""
+DESCRIBE = """
+from lsc_pose_ros.numerics.kernel_cache import cache_directory, describe_cache
+print(cache_directory(), describe_cache(), sep='\\n')
+"""
+
+
+class Installation:
+    """The numerics of the package with three more modules, installed in a folder of its own."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.numerics = folder / 'lsc_pose_ros' / 'numerics'
+        self.user = folder / 'home' / 'cache'
+        source = Path(lsc_pose_ros.__file__).parent
+        shutil.copytree(
+            source / 'numerics', self.numerics, ignore=shutil.ignore_patterns('__pycache__')
+        )
+        for name in ('__init__.py', 'errors.py'):
+            shutil.copy(source / name, self.numerics.parent)
+        self.write('constants', CONSTANTS)
+        self.write('inner', INNER)
+        self.write('outer', OUTER)
+
+    def write(self, module: str, text: str) -> None:
+        (self.numerics / f'{module}.py').write_text(text)
+
+    def make_read_only(self) -> None:
+        """Leave no place beside the sources; permissions would not keep root out."""
+        shutil.rmtree(self.numerics / '__pycache__', ignore_errors=True)
+        (self.numerics / '__pycache__').touch()
+
+    def make_user_read_only(self) -> None:
+        self.user.parent.mkdir()
+        self.user.touch()
+
+    def start(self, code: str, **variables: str) -> subprocess.Popen[str]:
+        environment = {
+            **{name: value for name, value in os.environ.items() if 'NUMBA' not in name},
+            'PYTHONDONTWRITEBYTECODE': '1',
+            'XDG_CACHE_HOME': str(self.user),
+            **variables,
+        }
+        return subprocess.Popen(
+            [sys.executable, '-c', code],
+            cwd=self.folder,  # where `python -c` looks for modules first
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+
+    def run(self, code: str, **variables: str) -> list[str]:
+        program = self.start(code, **variables)
+        output, errors = program.communicate(timeout=60)
+        assert program.returncode == 0, errors
+        assert errors == ''
+        return output.splitlines()
+
+    def call(self, **variables: str) -> tuple[float, int]:
+        """Return what `outer(1.5)` gives in a new process, and how often its code was kept."""
+        result, hits = self.run(CALL, **variables)[-1].split()
+        return float(result), int(hits)
+
+
+@pytest.fixture
+def installation(tmp_path: Path) -> Installation:
+    return Installation(tmp_path)
+
+
+def test_code_is_kept_beside_the_sources(installation: Installation) -> None:
+    assert installation.call() == (4.0, 0)
+    assert installation.call() == (4.0, 1)
+    directory = installation.numerics / '__pycache__'
+    assert list(directory.glob('outer.outer-*.nbc'))
+    assert installation.run(DESCRIBE) == [str(directory), f'kept in {directory}']
+    assert not installation.user.exists()
+
+
+def test_read_only_installation_falls_back_to_the_users_cache(installation: Installation) -> None:
+    installation.make_read_only()
+    assert installation.call() == (4.0, 0)
+    assert installation.call() == (4.0, 1)
+    directory, text = installation.run(DESCRIBE)
+    assert Path(directory).is_relative_to(installation.user)
+    assert list(Path(directory).glob('outer.outer-*.nbc'))
+    assert text == f'kept in {directory}, for the installation is read-only'
+
+
+def test_without_any_place_kernels_work_and_are_kept_nowhere(installation: Installation) -> None:
+    installation.make_read_only()
+    installation.make_user_read_only()
+    assert installation.call() == (4.0, 0)
+    assert installation.call() == (4.0, 0)
+    directory, text = installation.run(DESCRIBE)
+    assert directory == 'None'
+    assert text.startswith('kept nowhere')
+    assert 'NUMBA_CACHE_DIR' in text
+
+
+def test_named_folder_comes_first(installation: Installation, tmp_path: Path) -> None:
+    named = str(tmp_path / 'named')
+    assert installation.call(NUMBA_CACHE_DIR=named) == (4.0, 0)
+    assert installation.call(NUMBA_CACHE_DIR=named) == (4.0, 1)
+    directory, text = installation.run(DESCRIBE, NUMBA_CACHE_DIR=named)
+    assert Path(directory).is_relative_to(named)
+    assert text == f'kept in {directory}'
+    assert not (installation.numerics / '__pycache__').exists()
+
+
+@pytest.mark.parametrize(
+    ('module', 'text'),
+    [('inner', INNER.replace('x *', '2 * x *')), ('constants', 'FACTOR = 4.0\n')],
+)
+def test_change_in_a_file_that_is_used_is_noticed(
+    installation: Installation, module: str, text: str
+) -> None:
+    assert installation.call() == (4.0, 0)
+    installation.write(module, text)
+    assert installation.call() == (7.0, 0)
+    assert installation.call() == (7.0, 1)
+
+
+def test_change_in_a_file_that_is_not_used_costs_nothing(installation: Installation) -> None:
+    assert installation.call() == (4.0, 0)
+    installation.write('frame', '')
+    assert installation.call() == (4.0, 1)
+
+
+def truncate(file: Path) -> None:
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+
+
+def zero(file: Path) -> None:
+    file.write_bytes(bytes(file.stat().st_size))
+
+
+def test_damaged_file_is_made_anew(installation: Installation) -> None:
+    assert installation.call() == (4.0, 0)
+    for kind in ('nbi', 'nbc'):
+        for damage in (truncate, zero):
+            for file in (installation.numerics / '__pycache__').glob(f'*.{kind}'):
+                damage(file)
+            assert installation.call() == (4.0, 0)
+    assert installation.call() == (4.0, 1)
+
+
+def test_full_disk_costs_the_cache_and_nothing_else(installation: Installation) -> None:
+    fill = """
+import errno
+from numba.core.caching import IndexDataCacheFile
+
+def fail(self, path):
+    raise OSError(errno.ENOSPC, 'No space left on device', path)
+
+IndexDataCacheFile._open_for_write = fail
+"""
+    assert installation.run(fill + CALL) == ['4.0 0']
+    assert installation.call() == (4.0, 0)
+
+
+def test_folder_that_vanishes_costs_the_cache_and_nothing_else(installation: Installation) -> None:
+    vanish = f"""
+import shutil
+import lsc_pose_ros.numerics.outer
+shutil.rmtree({str(installation.numerics / '__pycache__')!r})
+"""
+    assert installation.run(vanish + CALL) == ['4.0 0']
+
+
+def test_processes_that_compile_at_once_do_not_disturb_each_other(
+    installation: Installation,
+) -> None:
+    call = """
+import numpy as np
+from lsc_pose_ros.numerics.outer import outer
+
+kinds = ['i1', 'i2', 'i4', 'i8', 'u1', 'u2', 'u4', 'u8', 'f4', 'f8', 'c8', 'c16']
+for kind in kinds[{chosen}]:
+    assert (outer(np.ones(3, kind)) == 3).all(), kind
+print(len(outer.stats.cache_hits), len(outer.stats.cache_misses))
+"""
+    both = [installation.start(call.format(chosen=chosen)) for chosen in ('::2', '1::2')]
+    for program in both:
+        output, errors = program.communicate(timeout=60)
+        assert program.returncode == 0, errors
+        assert output.split() == ['0', '6']
+    assert installation.run(call.format(chosen=':')) == ['12 0']

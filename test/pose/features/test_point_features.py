@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+
+from lsc_pose_ros.pose.estimator import find_shape
+from lsc_pose_ros.pose.features.point_features import feature_size
+from lsc_pose_ros.pose.features.shape_context_3d import describe, mean_distance
+from lsc_pose_ros.pose.settings import FEATURES, SAMPLES, Settings
+
+
+@pytest.mark.parametrize('sample', SAMPLES)
+@pytest.mark.parametrize('feature', FEATURES)
+def test_every_feature_describes_every_kind_of_points(feature, sample, people):
+    frame = people[5]
+    settings = Settings(
+        feature=feature, sample=sample, points=120, query_points=50, offset_pairs=90
+    )
+    shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
+    assert feature_size(settings) == {'3dlsc': 360, '2dsc': 60, 'dcf': 90, 'mixed': 450}[feature]
+    assert shape.quantised.shape == (50, feature_size(settings))
+    assert shape.quantised.dtype == np.uint8
+    # No two points look alike, and every feature tells something.
+    assert len(np.unique(shape.quantised, axis=0)) > 45
+    assert (shape.quantised.std(axis=0) > 0).mean() > 0.6
+
+
+def test_the_papers_feature_is_the_descriptor_of_the_silhouette(people):
+    frame, settings = people[5], Settings(points=120)
+    shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
+    points = shape.silhouette.points
+    reach = mean_distance(points) * settings.support_radius
+    expected = describe(points, np.arange(120), reach, settings.inner_radius)
+    np.testing.assert_array_equal(shape.quantised, expected)
+
+
+def test_features_change_neither_the_points_nor_their_unit(people):
+    frame = people[5]
+    for sample in SAMPLES:
+        shapes = [
+            find_shape(
+                frame.depth,
+                frame.labels,
+                1,
+                (frame.camera, Settings(feature=feature, sample=sample)),
+            )
+            for feature in FEATURES
+        ]
+        for shape in shapes[1:]:
+            np.testing.assert_array_equal(shape.points, shapes[0].points)
+            assert shape.scale == shapes[0].scale
+
+
+def test_points_of_the_body_are_spread_over_all_of_it(people):
+    frame = people[5]
+    body = (frame.labels == 1) & (frame.depth > 0)
+    settings = Settings(sample='body', points=200)
+    silhouette = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings)).silhouette
+    everything = np.zeros_like(body)
+    everything[silhouette.rows, silhouette.columns] = True
+    np.testing.assert_array_equal(everything, body)
+    assert len(silhouette.points) == 200
+    rows, columns = np.nonzero(body)
+    kept = silhouette.chosen
+    for all_places, places in (
+        (rows, silhouette.rows[kept]),
+        (columns, silhouette.columns[kept]),
+    ):
+        np.testing.assert_allclose(
+            np.quantile(places, [0.1, 0.5, 0.9]), np.quantile(all_places, [0.1, 0.5, 0.9]), atol=3
+        )

@@ -1,0 +1,136 @@
+import numpy as np
+import pytest
+
+from lsc_pose_ros.numerics.fast_exp import falloff
+from lsc_pose_ros.plain import density as plain
+from lsc_pose_ros.pose.inference.density import Cloud, climb, density, find_modes, mean_shift
+
+BANDWIDTH = 0.07
+
+
+def cloud(votes: np.ndarray, weights: np.ndarray) -> Cloud:
+    return Cloud(*np.ascontiguousarray(votes.T), weights)
+
+
+def test_falloff_is_the_exponential_to_the_stated_error() -> None:
+    s = np.linspace(0, 16, 4001, endpoint=False).astype(np.float32)
+    found = np.array([falloff(value) for value in s])
+    expected = np.exp(-s.astype(float))
+    assert np.abs(found - expected).max() < 2e-6
+    assert np.abs(found / expected - 1)[s <= 9].max() < 1e-4
+    assert falloff(np.float32(0)) == pytest.approx(1, abs=2e-6)
+
+
+@pytest.mark.parametrize('s', [16, 1e3, 1e30, np.inf])
+def test_falloff_ends(s: float) -> None:
+    assert falloff(np.float32(s)) == 0
+
+
+def random_votes(seed: int, count: int = 80) -> tuple[np.ndarray, np.ndarray]:
+    rng = np.random.default_rng(seed)
+    centres = rng.normal(0, 0.3, (3, 3))
+    votes = centres[rng.integers(0, 3, count)] + rng.normal(0, 0.04, (count, 3))
+    return votes.astype(np.float32), rng.random(count).astype(np.float32)
+
+
+def density_twin(place: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float) -> float:
+    squared = ((votes.astype(float) - place) ** 2).sum(axis=1)
+    return float((weights * np.exp(-squared / h**2)).sum())
+
+
+def mean_shift_twin(
+    place: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float
+) -> np.ndarray:
+    squared = ((votes.astype(float) - place) ** 2).sum(axis=1)
+    pull = weights * np.exp(-squared / h**2)
+    return (pull[:, None] * votes).sum(axis=0) / pull.sum()
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_density_and_mean_shift_are_equation_14_and_its_uphill_step(seed: int) -> None:
+    votes, weights = random_votes(seed)
+    for place in votes[:10] + np.float32(0.02):
+        assert density(place, cloud(votes, weights), BANDWIDTH) == pytest.approx(
+            density_twin(place, votes, weights, BANDWIDTH), rel=1e-4
+        )
+        np.testing.assert_allclose(
+            mean_shift(place, cloud(votes, weights), BANDWIDTH),
+            mean_shift_twin(place, votes, weights, BANDWIDTH),
+            atol=1e-5,
+        )
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_the_plain_kernels_agree(seed: int) -> None:
+    votes, weights = random_votes(seed)
+    for place in votes[:10] + np.float32(0.02):
+        twin = density_twin(place, votes, weights, BANDWIDTH)
+        assert plain.density(place, votes, weights, BANDWIDTH) == pytest.approx(twin, rel=1e-5)
+    first = plain.find_modes(votes, weights, BANDWIDTH, 2)
+    second = find_modes(cloud(votes, weights), BANDWIDTH, 2)
+    assert len(first) == len(second)
+    np.testing.assert_allclose(first, second, atol=0.01 * BANDWIDTH)
+
+
+def test_far_from_all_votes_the_density_is_zero_and_the_shift_stays() -> None:
+    votes, weights = random_votes(0)
+    place = np.full(3, 100, np.float32)
+    assert density(place, cloud(votes, weights), BANDWIDTH) == 0
+    np.testing.assert_array_equal(mean_shift(place, cloud(votes, weights), BANDWIDTH), place)
+
+
+def test_no_votes_give_no_density_and_no_mode() -> None:
+    votes, weights = np.zeros((0, 3), np.float32), np.zeros(0, np.float32)
+    assert density(np.zeros(3, np.float32), cloud(votes, weights), BANDWIDTH) == 0
+    assert len(find_modes(cloud(votes, weights), BANDWIDTH, 2)) == 0
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_a_climb_ends_on_a_mode(seed: int) -> None:
+    votes, weights = random_votes(seed)
+    mode = np.array(climb(votes[0], cloud(votes, weights), BANDWIDTH), float)
+    height = density_twin(mode, votes, weights, BANDWIDTH)
+    assert height >= density_twin(votes[0], votes, weights, BANDWIDTH)
+    assert (
+        np.linalg.norm(mean_shift_twin(mode, votes, weights, BANDWIDTH) - mode) < 1e-2 * BANDWIDTH
+    )
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_the_first_mode_is_the_highest_and_the_second_is_another(seed: int) -> None:
+    votes, weights = random_votes(seed)
+    modes = find_modes(cloud(votes, weights), BANDWIDTH, 2)
+    heights = [density_twin(mode.astype(float), votes, weights, BANDWIDTH) for mode in modes]
+    climbed = [climb(vote, cloud(votes, weights), BANDWIDTH) for vote in votes]
+    best = max(
+        density_twin(np.array(place, float), votes, weights, BANDWIDTH) for place in climbed
+    )
+    # The climb starts at the highest vote, whose hill may just miss being the highest of all.
+    assert heights[0] >= 0.97 * best
+    if len(modes) == 2:
+        assert np.linalg.norm(modes[0] - modes[1]) >= BANDWIDTH
+
+
+def test_votes_in_one_place_have_one_mode() -> None:
+    votes = np.full((20, 3), 0.4, np.float32)
+    modes = find_modes(cloud(votes, np.ones(20, np.float32)), BANDWIDTH, 2)
+    np.testing.assert_allclose(modes, [[0.4, 0.4, 0.4]], atol=1e-6)
+
+
+def test_weightless_votes_have_no_mode() -> None:
+    weightless = cloud(np.zeros((5, 3), np.float32), np.zeros(5, np.float32))
+    assert len(find_modes(weightless, BANDWIDTH, 2)) == 0
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_a_second_hill_is_found_across_the_skirts_of_the_first(seed: int) -> None:
+    """Many votes lie between one and two bandwidths from the first mode and lead back to it."""
+    rng = np.random.default_rng(seed)
+    first = rng.normal(0, 0.6 * BANDWIDTH, (150, 3))
+    second = rng.normal(0, 0.2 * BANDWIDTH, (20, 3))
+    second[:, 0] += 0.4
+    votes = np.concatenate([first, second]).astype(np.float32)
+    modes = find_modes(cloud(votes, np.ones(170, np.float32)), BANDWIDTH, 2)
+    assert len(modes) == 2
+    np.testing.assert_allclose(modes[0], [0, 0, 0], atol=0.4 * BANDWIDTH)
+    np.testing.assert_allclose(modes[1], [0.4, 0, 0], atol=0.2 * BANDWIDTH)

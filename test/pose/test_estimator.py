@@ -1,0 +1,116 @@
+"""The whole estimator; it lies here since its model must be learnt first."""
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.pose.estimator import FEWEST_POINTS, Estimator, bodies_in
+
+
+@pytest.fixture(scope='module')
+def estimator(small_model):
+    return Estimator(small_model)
+
+
+def test_an_empty_mask_has_no_skeleton(estimator, people):
+    frame = people[0]
+    found = estimator.estimate(frame.depth, np.full_like(frame.labels, NO_BODY), frame.camera)
+    assert found.positions.shape == (0, len(estimator.joints), 3)
+    assert found.confidence.shape == (0, len(estimator.joints))
+
+
+@pytest.mark.parametrize('seen', ['speck', 'no depth'])
+def test_too_little_of_a_body_is_unknown_with_confidence_zero(estimator, people, seen):
+    frame = people[0]
+    labels = np.full_like(frame.labels, NO_BODY)
+    depth = frame.depth
+    if seen == 'speck':
+        labels[10:14, 10:14] = 4
+        depth = np.full_like(depth, 2)
+        assert FEWEST_POINTS > 16
+    else:
+        labels[:] = 4
+        depth = np.zeros_like(depth)
+    found = estimator.estimate(depth, labels, frame.camera)
+    assert found.bodies.tolist() == [4]
+    assert np.isnan(found.positions).all()
+    assert (found.confidence == 0).all()
+
+
+def test_bodies_are_estimated_each_by_itself_in_the_order_of_their_numbers(estimator, people):
+    """Two people side by side in one image are found as each is alone."""
+    near, far = people[0], people[200]
+    depth = np.concatenate([near.depth, far.depth], axis=1)
+    labels = np.concatenate(
+        [np.where(near.labels >= 0, 9, NO_BODY), np.where(far.labels >= 0, 2, NO_BODY)], axis=1
+    ).astype(np.int32)
+    together = estimator.estimate(depth, labels, near.camera)
+    assert together.bodies.tolist() == [2, 9]
+    alone = estimator.estimate(near.depth, near.labels, near.camera)
+    np.testing.assert_array_equal(together.positions[1], alone.positions[0])
+    other = np.concatenate([np.zeros_like(near.depth), far.depth], axis=1)
+    alone = estimator.estimate(other, np.where(labels == 2, 2, NO_BODY), near.camera)
+    np.testing.assert_array_equal(together.positions[0], alone.positions[0])
+
+
+def test_what_does_not_belong_to_the_body_does_not_matter(estimator, people):
+    frame = people[10]
+    rng = np.random.default_rng(0)
+    noisy = np.where(
+        frame.labels >= 0, frame.depth, rng.choice([0.0, 0.5, 9.0], frame.depth.shape)
+    ).astype(np.float32)
+    before = estimator.estimate(frame.depth, frame.labels, frame.camera)
+    after = estimator.estimate(noisy, frame.labels, frame.camera)
+    np.testing.assert_array_equal(after.positions, before.positions)
+
+
+def test_joints_lie_on_the_person_and_are_confident(estimator, people):
+    frame = people[20]
+    found = estimator.estimate(frame.depth, frame.labels, frame.camera)
+    pixels = np.rint(project(found.positions[0], frame.camera)).astype(int)
+    on_body = frame.labels[pixels[:, 1], pixels[:, 0]] >= 0
+    assert on_body.mean() >= 0.75
+    assert ((found.confidence > 0) & (found.confidence <= 1)).all()
+
+
+def test_stages_lead_to_the_estimate(estimator, people):
+    frame = people[20]
+    stages = estimator.stages(frame.depth, frame.labels, frame.camera, 1)
+    found = estimator.estimate(frame.depth, frame.labels, frame.camera)
+    np.testing.assert_array_equal(stages.joints, found.positions[0])
+    alone = Estimator(estimator.model, graph=False)
+    np.testing.assert_array_equal(
+        stages.alone, alone.estimate(frame.depth, frame.labels, frame.camera).positions[0]
+    )
+    chosen_is_candidate = [
+        (
+            np.abs(stages.candidates.places[j, : stages.candidates.counts[j]] - place).max(1) == 0
+        ).any()
+        for j, place in enumerate(stages.chosen)
+    ]
+    assert all(chosen_is_candidate)
+
+
+def test_the_confidence_is_looked_up_for_the_share_of_votes_that_support_the_joint(
+    estimator, people
+):
+    frame = people[20]
+    calibration = estimator.model.calibration
+    knots = np.linspace(0, 1, calibration.shape[1])
+    stages = estimator.stages(frame.depth, frame.labels, frame.camera, 1)
+    found = estimator.estimate(frame.depth, frame.labels, frame.camera)
+    votes = stages.joint_votes
+    for joint, place in enumerate(stages.joints):
+        mine = slice(votes.start[joint], votes.start[joint + 1])
+        squared = ((votes.place[mine] - place) ** 2).sum(axis=1)
+        h = estimator.model.settings.joint_bandwidth
+        support = (votes.weight[mine] * np.exp(-squared / h**2)).sum() / votes.weight[mine].sum()
+        expected = np.interp(support, knots, calibration[joint])
+        assert found.confidence[0, joint] == pytest.approx(expected, abs=1e-3)
+
+
+def test_bodies_in_a_mask():
+    labels = np.array([[NO_BODY, 7, 0], [7, 300, NO_BODY]], np.int32)
+    assert bodies_in(labels).tolist() == [0, 7, 300]
+    assert bodies_in(np.full((2, 2), NO_BODY, np.int32)).tolist() == []

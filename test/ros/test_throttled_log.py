@@ -1,0 +1,48 @@
+"""The throttle before the log."""
+
+from lsc_pose_ros.ros.health.throttled_log import Reports
+
+
+class Log:
+    def __init__(self) -> None:
+        self.lines: list[tuple[str, str]] = []
+
+    def warning(self, message: str) -> None:
+        self.lines.append(('warning', message))
+
+    def error(self, message: str) -> None:
+        self.lines.append(('error', message))
+
+
+def test_each_kind_is_logged_once_in_a_period() -> None:
+    log, time = Log(), [0.0]
+    reports = Reports(log, 5.0, lambda: time[0])
+    for step in range(11):
+        time[0] = step * 0.5
+        reports.error('mask', f'bad mask {step}')
+        reports.warning('depth', f'bad depth {step}')
+    assert log.lines == [
+        ('error', 'bad mask 0'),
+        ('warning', 'bad depth 0'),
+        ('error', 'bad mask 10 (9 more like this since the last report)'),
+        ('warning', 'bad depth 10 (9 more like this since the last report)'),
+    ]
+
+
+def test_trouble_that_returns_later_is_logged_at_once() -> None:
+    log, time = Log(), [0.0]
+    reports = Reports(log, 5.0, lambda: time[0])
+    reports.error('mask', 'first')
+    time[0] = 100.0
+    reports.error('mask', 'second')
+    assert [line[1] for line in log.lines] == ['first', 'second']
+
+
+def test_kinds_that_never_come_again_need_no_memory() -> None:
+    log, time = Log(), [0.0]
+    reports = Reports(log, 5.0, lambda: time[0])
+    for step in range(20000):
+        time[0] = step * 0.5
+        reports.error(f'{step} bytes', 'broken')
+    assert len(log.lines) == 20000
+    assert len(reports._last) < 1300

@@ -1,0 +1,292 @@
+"""People are found without a mask: in a room, before a learnt scene, and in real images."""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from room_scene import Person, Room, look, overlap
+
+import lsc_pose_ros
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.segmentation.background import Background, before_scene, empty_scene
+from lsc_pose_ros.segmentation.blobs import BARRIER
+from lsc_pose_ros.segmentation.nearest_body import NearestBody
+from lsc_pose_ros.segmentation.segmenter import (
+    SegmentationSettings,
+    Segmenter,
+    make_segmenter,
+    segment,
+)
+
+RANGE = 0.4, 5.0
+FRAME = 33_333_333
+KINECT = Intrinsics(580.0, 580.0, 320.0, 240.0)
+SOFA = ((-2.2, 0.2, 3.0), (0.0, 1.0, 4.0))
+TABLE = ((-1.6, 0.3, 2.6), (-0.4, 1.0, 3.4))
+
+
+def learnt(room: Room, *, width: int = 320, seconds: float = 0.2) -> Background:
+    """A segmenter that has seen the room empty."""
+    background = Background(seconds, 0.1, *RANGE)
+    number = 0
+    while not background.ready:
+        seen, _ = look(room, [], width=width, noise_seed=100 + number)
+        background.learn(number * FRAME, seen.depth)
+        number += 1
+    return background
+
+
+@pytest.mark.parametrize('seed', range(6))
+def test_person_who_stands_on_the_floor_is_cut_out_whole(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    room = Room(
+        camera_height=random.uniform(0.8, 1.8),
+        tilt=random.uniform(0, 12),
+        turn=random.uniform(-15, 15),
+        back=random.uniform(3.4, 5.5),
+    )
+    seen, camera = look(room, [Person(0.0, random.uniform(2.0, 2.8), seed)])
+    labels = NearestBody(*RANGE).labels(seen.depth, camera)
+    assert labels.dtype == np.int32
+    assert set(np.unique(labels)) == {NO_BODY, 1}
+    assert overlap(labels == 1, seen.labels == 1) > 0.96
+
+
+@pytest.mark.parametrize(
+    ('room', 'people'),
+    [
+        (Room(), [Person(-0.6, 2.8, 1), Person(0.6, 2.0, 2)]),
+        (Room(), [Person(0.3, 2.9, 3), Person(0.0, 2.2, 4)]),  # one behind the other
+        (Room(boxes=(SOFA,)), [Person(0.1, 2.4, 5)]),
+        (Room(boxes=(TABLE,)), [Person(0.2, 2.4, 10)]),
+        (Room(back=3.0), [Person(0.0, 2.75, 8)]),  # the back near the wall
+        (Room(left=-0.7), [Person(-0.2, 2.3, 9)]),  # an arm near the wall
+        (Room(back=9, left=-9, right=9, ceiling=9), [Person(0.2, 2.4, 11)]),
+        (Room(camera_height=0.88, tilt=4.2, turn=4.8, back=4.1), [Person(-0.13, 2.26, 7)]),
+    ],
+)
+def test_nearest_person_is_found_among_others_and_furniture(
+    room: Room, people: list[Person]
+) -> None:
+    seen, camera = look(room, people)
+    labels = NearestBody(*RANGE).labels(seen.depth, camera)
+    nearest = 1 + min(range(len(people)), key=lambda index: people[index].z)
+    assert overlap(labels == 1, seen.labels == nearest) > 0.95
+
+
+def test_empty_room_shows_nobody() -> None:
+    for room in (Room(), Room(tilt=15, turn=30), Room(back=9, left=-9, right=9)):
+        seen, camera = look(room, [])
+        assert (NearestBody(*RANGE).labels(seen.depth, camera) == NO_BODY).all()
+
+
+def test_nobody_is_found_out_of_range() -> None:
+    seen, camera = look(Room(), [Person(0.0, 2.5)])
+    for limits in ((0.4, 1.9), (3.0, 5.0)):
+        labels = NearestBody(*limits).labels(seen.depth, camera)
+        assert not (labels[seen.labels == 1] == 1).any()
+
+
+@pytest.mark.parametrize('depth', [np.zeros((48, 64)), np.full((48, 64), 1.0), np.ones((1, 1))])
+def test_degenerate_images_show_nobody(depth: np.ndarray) -> None:
+    depth = depth.astype(np.float32)
+    for segmenter in (NearestBody(*RANGE), Background(0.0, 0.1, *RANGE)):
+        assert (segment(segmenter, 0, depth, KINECT) == NO_BODY).all()
+
+
+@pytest.mark.parametrize(('wall', 'share'), [(0.0, 0.999), (3.0, 0.9)])
+def test_real_people_from_the_waist_up(shared: Path, wall: float, share: float) -> None:
+    """Kinect images whose background is cut away; in the last two somebody is farther back.
+
+    A wall in place of the background fills the holes in the people, too, which costs a hand.
+    """
+    paths = sorted((shared / 'smoke' / 'skeltrack_upper').glob('depth-data-*'))
+    assert len(paths) == 12
+    several = {'depth-data-1399145206', 'depth-data-82823944'}
+    for path in paths:
+        depth = np.fromfile(path, '<u2').reshape(480, 640).astype(np.float32) / 1000
+        expected = (depth > 0) & ((depth < 1.65) | (path.name not in several))
+        depth = np.where(depth > 0, depth, np.float32(wall))
+        labels = NearestBody(*RANGE).labels(depth, KINECT)
+        assert overlap(labels == 1, expected) > share, path.name
+
+
+@pytest.mark.parametrize(
+    ('room', 'people'),
+    [
+        (Room(), [Person(-0.6, 2.8, 1), Person(0.6, 2.0, 2)]),
+        (Room(boxes=(SOFA,)), [Person(-0.6, 2.75, 6)]),
+        (Room(boxes=(((0.9, -1.6, 2.0), (1.2, 1.0, 2.3)),)), [Person(0.3, 2.5, 7)]),
+        (Room(back=3.0), [Person(0.0, 2.75, 8)]),
+    ],
+)
+def test_people_before_a_learnt_scene(room: Room, people: list[Person]) -> None:
+    background = learnt(room)
+    seen, camera = look(room, people)
+    labels = background.labels(seen.depth, camera)
+    found = range(1, labels.max() + 1)
+    assert len(found) == len(people)
+    sizes = [(seen.depth[labels == number] ** 2).sum() for number in found]
+    assert sizes == sorted(sizes, reverse=True)
+    for person in range(1, len(people) + 1):
+        best = max(overlap(labels == number, seen.labels == person) for number in found)
+        assert best > 0.95
+
+
+def test_scene_is_learnt_for_as_long_as_asked() -> None:
+    background = Background(1.0, 0.1, *RANGE)
+    depth = np.full((48, 64), 3.0, np.float32)
+    for number in range(30):
+        assert (segment(background, number * FRAME, depth, KINECT) == NO_BODY).all()
+        assert not background.ready
+    background.learn(10**9, depth)
+    assert background.ready
+
+
+def test_learning_needs_little_memory_at_any_rate() -> None:
+    background = Background(2.0, 0.1, *RANGE)
+    depth = np.full((48, 64), 3.0, np.float32)
+    for number in range(400):
+        background.learn(number * 5_000_000, depth)
+        assert len(background._seen) <= 15
+    assert len(background._seen) >= 14
+
+
+def test_recording_that_begins_again_is_learnt_from_its_beginning() -> None:
+    background = Background(1.0, 0.1, *RANGE)
+    depth = np.full((48, 64), 3.0, np.float32)
+    background.learn(5 * 10**9, depth)
+    background.learn(2 * 10**9, depth)
+    background.learn(3 * 10**9 - 1, depth)
+    assert not background.ready
+    background.learn(3 * 10**9, depth)
+    assert background.ready
+
+
+def test_other_image_size_is_another_scene() -> None:
+    background = Background(0.0, 0.1, *RANGE)
+    background.learn(0, np.full((48, 64), 3.0, np.float32))
+    assert background.ready
+    other = np.full((24, 32), 3.0, np.float32)
+    assert (background.labels(other, KINECT) == NO_BODY).all()
+    background.learn(1, other)
+    assert background.ready
+    assert background.labels(other, KINECT).shape == other.shape
+
+
+def test_scene_is_the_median_of_what_was_seen() -> None:
+    random = np.random.default_rng(0)
+    images = random.uniform(1, 4, (9, 12, 16)).astype(np.float32)
+    images[random.random(images.shape) < 0.4] = 0
+    images[:, :2] = 0
+    scene = empty_scene(images)
+    for row in range(12):
+        for column in range(16):
+            seen = np.sort(images[:, row, column][images[:, row, column] > 0])
+            expected = seen[(len(seen) - 1) // 2] if len(seen) else np.inf
+            assert scene[row, column] == expected
+
+
+def test_somebody_who_walks_through_while_the_scene_is_learnt_does_not_spoil_it() -> None:
+    images = np.full((15, 4, 4), 3.0, np.float32)
+    images[4:9] = 1.5
+    assert (empty_scene(images) == 3.0).all()
+
+
+def test_what_is_before_the_scene_is_what_numpy_finds() -> None:
+    random = np.random.default_rng(1)
+    depth = random.uniform(0, 6, (30, 40)).astype(np.float32)
+    depth[random.random(depth.shape) < 0.2] = 0
+    scene = random.uniform(1, 6, depth.shape).astype(np.float32)
+    scene[:3] = np.inf
+    found = before_scene(depth, scene, 0.1, 0.4, 5.0)
+    body = (depth >= 0.4) & (depth <= 5.0) & (depth.astype(float) <= scene.astype(float) - 0.1)
+    np.testing.assert_array_equal(
+        found, np.where(depth == 0, 0, np.where(body, depth, BARRIER)).astype(np.float32)
+    )
+
+
+@pytest.mark.parametrize(('width', 'limit'), [(320, 3.0), (640, 8.0)])
+@pytest.mark.parametrize('mode', ['nearest', 'background'])
+def test_fast_enough(mode: str, width: int, limit: float) -> None:
+    """The best of several, in milliseconds, for the computer may be busy."""
+    room = Room(boxes=(SOFA, TABLE))
+    seen, camera = look(room, [Person(0.4, 2.2, 1), Person(1.0, 2.9, 2)], width=width)
+    segmenter: Segmenter = (
+        NearestBody(*RANGE) if mode == 'nearest' else learnt(room, width=width, seconds=0)
+    )
+    assert (segmenter.labels(seen.depth, camera) == 1).any()
+    times = []
+    for _ in range(15):
+        begin = time.perf_counter()
+        segmenter.labels(seen.depth, camera)
+        times.append(1000 * (time.perf_counter() - begin))
+    assert min(times) <= limit
+
+
+def test_settings_make_segmenters() -> None:
+    assert make_segmenter(SegmentationSettings()) is None
+    assert isinstance(make_segmenter(SegmentationSettings('nearest')), NearestBody)
+    assert isinstance(make_segmenter(SegmentationSettings('background')), Background)
+
+
+@pytest.mark.parametrize(
+    ('settings', 'names'),
+    [
+        (SegmentationSettings('middle'), ['segmentation', 'mask or background or nearest']),
+        (SegmentationSettings('nearest', 3.0, 2.0), ['range_min', 'range_max']),
+    ],
+)
+def test_bad_settings_are_named(settings: SegmentationSettings, names: list[str]) -> None:
+    with pytest.raises(InputError) as error:
+        make_segmenter(settings)
+    for name in names:
+        assert name in str(error.value)
+
+
+@pytest.mark.parametrize('mode', ['nearest', 'background'])
+def test_after_the_warm_up_nothing_is_left_to_compile(mode: str) -> None:
+    """In a process of its own, where no other test has compiled anything."""
+    program = f"""
+from numba.core.dispatcher import Dispatcher
+from room_scene import Person, Room, look
+from lsc_pose_ros.segmentation import background
+from lsc_pose_ros.segmentation import blobs
+from lsc_pose_ros.segmentation import background_planes as room
+from lsc_pose_ros.segmentation.segmenter import SegmentationSettings, make_segmenter, segment
+from lsc_pose_ros.estimation.warm_up import warm_up_segmenter
+
+def compiled():
+    return {{
+        (module.__name__, name): len(value.signatures)
+        for module in (background, blobs, room)
+        for name, value in vars(module).items()
+        if isinstance(value, Dispatcher)
+    }}
+
+settings = SegmentationSettings({mode!r}, background_seconds=0.0)
+warm_up_segmenter(make_segmenter(settings), 0.0)
+before = compiled()
+segmenter = make_segmenter(settings)
+empty, camera = look(Room(tilt=5), [])
+segment(segmenter, 0, empty.depth, camera)
+seen, camera = look(Room(tilt=5), [Person(-0.6, 2.8, 1), Person(0.6, 2.0, 2)])
+assert (segment(segmenter, 1, seen.depth, camera) == 1).any()
+assert compiled() == before, (before, compiled())
+assert sum(before.values()) > 5
+"""
+    folders = [str(Path(lsc_pose_ros.__file__).parents[1]), str(Path(__file__).parent)]
+    found = subprocess.run(
+        [sys.executable, '-c', program],
+        env=os.environ | {'PYTHONPATH': os.pathsep.join(folders)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert found.returncode == 0, found.stderr

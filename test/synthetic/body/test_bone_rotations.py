@@ -1,0 +1,181 @@
+"""What clinical angles do to a body: each turns the right thing the right way."""
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
+from lsc_pose_ros.synthetic.body.body_file import load_body
+from lsc_pose_ros.synthetic.body.body_mesh import (
+    Figure,
+    pose_body,
+    shape_body,
+    straighten,
+    to_local,
+)
+from lsc_pose_ros.synthetic.body.bone_rotations import articulate, bone_heads, bone_turns, rig_of
+from lsc_pose_ros.synthetic.motion.joint_angles import (
+    ANGLE_NUMBERS,
+    ANGLES,
+    HIGHEST,
+    LOWEST,
+    highest_elevation,
+    mirrored,
+    planes,
+    swings,
+    within_limits,
+)
+
+FIGURES = (Figure(30, 1.0), Figure(5, 0.5), Figure(50, 0.0, weight=0.9))
+
+
+@pytest.fixture(scope='module')
+def body():
+    return load_body()
+
+
+@pytest.fixture(scope='module', params=FIGURES)
+def rest(request, body):
+    return shape_body(body, request.param)
+
+
+def pose_of(**degrees):
+    angles = np.zeros(len(ANGLES))
+    for name, value in degrees.items():
+        angles[ANGLE_NUMBERS[name]] = np.radians(value)
+    return angles
+
+
+def random_poses(count):
+    random = np.random.default_rng(4)
+    return within_limits(LOWEST + (HIGHEST - LOWEST) * random.random((count, len(ANGLES))))
+
+
+def joints_of(body, rest, **degrees):
+    rotations = articulate(rig_of(body, rest), pose_of(**degrees))[0]
+    joints = pose_body(body, rest, rotations, np.zeros(3)).joints
+    return dict(zip(JOINT_NAMES, joints, strict=True))
+
+
+def direction(joints, start, end):
+    way = joints[end] - joints[start]
+    return way / np.linalg.norm(way)
+
+
+def test_no_angle_is_the_straight_body(body, rest):
+    rotations = articulate(rig_of(body, rest), np.zeros((1, len(ANGLES))))[0]
+    expected = to_local(body, straighten(body, rest))
+    shoulders = [
+        number
+        for number, name in enumerate(map(str, body.bones))
+        if name.startswith(('clavicle', 'shoulder', 'upperarm01'))
+    ]
+    others = np.setdiff1d(np.arange(len(body.bones)), shoulders)
+    np.testing.assert_allclose(rotations[others], expected[others], atol=1e-12)
+    # Shoulders drop a little from where half raised arms hold them.
+    cosine = (np.trace(rotations[shoulders[0]]) - 1) / 2
+    assert 1 < np.degrees(np.arccos(cosine)) < 6
+
+
+@pytest.mark.parametrize(
+    ('angles', 'start', 'end', 'expected'),
+    [
+        ({'l_elevation': 90}, 'l_shoulder', 'l_elbow', (1, 0, 0)),
+        ({'r_elevation': 90}, 'r_shoulder', 'r_elbow', (-1, 0, 0)),
+        ({'r_plane': 90, 'r_elevation': 90}, 'r_shoulder', 'r_elbow', (0, 0, 1)),
+        ({'l_plane': -90, 'l_elevation': 45}, 'l_shoulder', 'l_elbow', (0, -0.7071, -0.7071)),
+        ({'l_elbow': 90}, 'l_elbow', 'l_wrist', (0, 0, 1)),
+        ({'l_elbow': 90, 'l_axial': 90}, 'l_elbow', 'l_wrist', (1, 0, 0)),
+        ({'r_elbow': 90, 'r_axial': -70}, 'r_elbow', 'r_wrist', (0.9397, 0, 0.3420)),
+        ({'r_wrist_flexion': 90}, 'r_wrist', 'r_hand', (1, 0, 0)),
+        ({'l_wrist_deviation': 90}, 'l_wrist', 'l_hand', (0, 0, 1)),
+        ({'l_hip_flexion': 90}, 'l_hip', 'l_knee', (0, 0, 1)),
+        ({'r_hip_abduction': 30}, 'r_hip', 'r_knee', (-0.5, -0.8660, 0)),
+        ({'r_knee': 90}, 'r_knee', 'r_ankle', (0, 0, -1)),
+        ({'l_hip_flexion': 90, 'l_knee': 90, 'l_hip_rotation': 30}, 'l_knee', 'l_ankle',
+         (-0.5, -0.8660, 0)),
+    ],
+)  # fmt: skip
+def test_each_angle_turns_its_limb(body, rest, angles, start, end, expected):
+    joints = joints_of(body, rest, **angles)
+    np.testing.assert_allclose(direction(joints, start, end), expected, atol=0.15)
+
+
+@pytest.mark.parametrize(
+    ('name', 'joint', 'axis', 'sign'),
+    [
+        ('lean', 'head', 2, 1), ('bend', 'head', 2, 1), ('nod', 'head', 2, 1),
+        ('list', 'head', 0, 1), ('side', 'head', 0, 1), ('tilt', 'head', 0, 1),
+        ('twist', 'l_shoulder', 2, -1), ('l_shrug', 'l_shoulder', 1, 1),
+        ('l_ankle', 'l_foot', 1, -1), ('r_pronation', 'r_wrist', 0, 0),
+    ],
+)  # fmt: skip
+def test_trunk_head_and_shoulders_go_where_they_should(body, rest, name, joint, axis, sign):
+    before, after = joints_of(body, rest), joints_of(body, rest, **{name: 15})
+    moved = (after[joint] - before[joint])[axis]
+    assert abs(moved) < 1e-3 if sign == 0 else sign * moved > 0.005
+
+
+def test_the_shoulder_rises_with_the_arm(body, rest):
+    height = [joints_of(body, rest, l_elevation=up)['l_shoulder'][1] for up in (0, 30, 90, 170)]
+    assert height[0] == pytest.approx(height[1], abs=1e-6)
+    reach = np.linalg.norm(rest.joints[JOINT_NUMBERS['l_shoulder']] - rest.joints[1])
+    assert 0.15 * reach < height[2] - height[1] < 0.5 * reach
+    assert height[3] > height[2] + 0.1 * reach
+
+
+def test_fingers_close_towards_the_palm(body, rest):
+    rig = rig_of(body, rest)
+    heads = {}
+    for degrees in (0, 45):
+        turns = bone_turns(pose_of(l_fingers=degrees), rig.straight, rig.parts)
+        heads[degrees] = bone_heads(turns, rig.parents, rig.heads)[rig.numbers['finger3-3.L']]
+    moved = heads[45] - heads[0]
+    length = np.linalg.norm(rest.heads[rig.numbers['finger3-3.L']]
+                            - rest.heads[rig.numbers['finger3-1.L']])  # fmt: skip
+    assert moved[0] < -0.2 * length  # the left palm faces to the right
+    assert moved[1] > 0.4 * length
+
+
+def test_turns_are_rotations_and_heads_as_pose_body_has_them(body, rest):
+    rig = rig_of(body, rest)
+    for angles in random_poses(20):
+        turns = bone_turns(angles, rig.straight, rig.parts)
+        np.testing.assert_allclose(
+            turns @ turns.transpose(0, 2, 1), np.tile(np.eye(3), (len(turns), 1, 1)), atol=1e-9
+        )
+        posed = pose_body(body, rest, articulate(rig, angles)[0], np.zeros(3))
+        np.testing.assert_allclose(posed.turns, turns, atol=1e-9)
+        heads = bone_heads(turns, rig.parents, rig.heads)
+        np.testing.assert_allclose(posed.heads, heads, atol=1e-9)
+
+
+def test_the_mirror_image_of_a_pose_is_the_mirror_image(body, rest):
+    rig = rig_of(body, rest)
+    sides = {'l_': 'r_', 'r_': 'l_'}
+    swapped = [JOINT_NUMBERS[sides.get(name[:2], name[:2]) + name[2:]] for name in JOINT_NAMES]
+    for angles in random_poses(10):
+        one, other = articulate(rig, np.stack([angles, mirrored(angles)]))
+        joints = pose_body(body, rest, one, np.zeros(3)).joints
+        mirror = pose_body(body, rest, other, np.zeros(3)).joints
+        # The body itself is as good as symmetrical.
+        np.testing.assert_allclose(mirror, joints[swapped] * [-1, 1, 1], atol=0.004)
+        np.testing.assert_array_equal(mirrored(mirrored(angles)), angles)
+
+
+def test_swings_are_another_way_to_tell_the_same_pose():
+    for angles in random_poses(20):
+        np.testing.assert_allclose(planes(swings(angles)), angles, atol=1e-12)
+    up = pose_of(l_plane=60, l_elevation=40)
+    swing = swings(up)[ANGLE_NUMBERS['l_plane'] : ANGLE_NUMBERS['l_plane'] + 2]
+    np.testing.assert_allclose(np.degrees(swing), [20, 40 * np.sqrt(0.75)])
+
+
+def test_how_far_an_arm_rises_depends_on_the_plane():
+    anywhere = np.linspace(-90, 125, 60)
+    poses = np.array([pose_of(r_plane=plane, r_elevation=500, l_elbow=-20) for plane in anywhere])
+    kept = within_limits(poses)
+    highest = [highest_elevation(np.radians(plane), HIGHEST[ANGLE_NUMBERS['r_elevation']])
+               for plane in anywhere]  # fmt: skip
+    np.testing.assert_allclose(kept[:, ANGLE_NUMBERS['r_elevation']], highest, atol=1e-12)
+    np.testing.assert_allclose(np.degrees([highest[0], max(highest)]), [60, 172], atol=1e-9)
+    assert (kept[:, ANGLE_NUMBERS['l_elbow']] == 0).all()

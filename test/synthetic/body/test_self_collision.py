@@ -1,0 +1,130 @@
+"""Capsules for flesh: whether limbs go through the body."""
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.synthetic.body.body_file import load_body
+from lsc_pose_ros.synthetic.body.body_mesh import Figure, pose_body, shape_body
+from lsc_pose_ros.synthetic.body.bone_rotations import articulate
+from lsc_pose_ros.synthetic.body.self_collision import (
+    DEEPEST,
+    deepest_overlap,
+    mannequin_of,
+    mean_distances,
+    segment_distance,
+)
+from lsc_pose_ros.synthetic.motion.inverse_kinematics import REACHED, reach
+from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS, ANGLES, ARMS
+
+FIGURES = (
+    Figure(30, 1.0),
+    Figure(5, 0.5),
+    Figure(40, 0.0, weight=1.0, muscle=0.3),
+    Figure(80, 1.0, weight=0.2),
+)
+
+
+@pytest.fixture(scope='module')
+def body():
+    return load_body()
+
+
+@pytest.fixture(scope='module', params=FIGURES)
+def rest(request, body):
+    return shape_body(body, request.param)
+
+
+def pose_of(**degrees):
+    angles = np.zeros(len(ANGLES))
+    for name, value in {'l_elevation': 12, 'r_elevation': 12, **degrees}.items():
+        angles[ANGLE_NUMBERS[name]] = np.radians(value)
+    return angles
+
+
+@pytest.mark.parametrize(
+    ('clear', 'degrees'),
+    [
+        (True, {}),
+        (True, {'l_elevation': 90, 'r_plane': 90, 'r_elevation': 90}),
+        (True, {'l_elevation': 170, 'r_elevation': 170}),
+        (True, {'l_hip_flexion': 90, 'r_hip_flexion': 90, 'l_knee': 90, 'r_knee': 90,
+                'l_hip_abduction': 8, 'r_hip_abduction': 8}),
+        # A forearm through the belly, shank through shank, a thigh through the chest.
+        (False, {'l_elevation': 5, 'l_axial': -70, 'l_elbow': 100}),
+        (False, {'l_hip_abduction': -12, 'r_hip_abduction': -12}),
+        (False, {'l_hip_flexion': 118, 'bend': 60, 'l_knee': 40, 'lean': 20}),
+    ],
+)  # fmt: skip
+def test_what_goes_through_the_body_is_seen(body, rest, clear, degrees):
+    mannequin = mannequin_of(body, rest)
+    depth = deepest_overlap(mannequin, pose_of(**degrees)[None])[0]
+    assert depth <= DEEPEST if clear else depth > DEEPEST
+
+
+def test_a_hand_in_the_head_is_seen(body, rest):
+    mannequin = mannequin_of(body, rest)
+    rig, angles = mannequin.rig, pose_of()
+    at = rig.heads[rig.numbers['head']] - rig.heads[rig.numbers['spine01']]
+    angles[ARMS[0]], miss = reach(rig, angles[ARMS[0]], at, 0.5)
+    assert miss < REACHED
+    assert deepest_overlap(mannequin, angles[None])[0] > DEEPEST
+
+
+def test_capsules_fill_most_of_the_body_and_little_else(body, rest):
+    """Every bone's skin is about as far from its capsule's axis as the radius."""
+    rig, capsules = mannequin_of(body, rest)
+    posed = pose_body(body, rest, articulate(rig, pose_of())[0], np.zeros(3))
+    strongest = body.skin_bones[:, 0]
+    for bone, ends, radius in zip(capsules.bones, capsules.ends, capsules.radii, strict=True):
+        skin = posed.vertices[strongest == bone]
+        if bone == rig.numbers['root']:  # has no skin of its own
+            continue
+        axis = posed.heads[bone] + ends @ posed.turns[bone].T
+        distance = [naive_distance(point, point, *axis) for point in skin[::9]]
+        assert 0.5 < np.median(distance) / radius < 2.2
+
+
+def naive_distance(p, q, a, b):
+    """The shortest way between two segments, tried out; finer and finer."""
+    low, high = np.zeros(2), np.ones(2)
+    for _ in range(14):
+        s, t = np.meshgrid(*np.linspace(low, high, 11).T, indexing='ij')
+        way = p + s[..., None] * (q - p) - a - t[..., None] * (b - a)
+        length = np.linalg.norm(way, axis=-1)
+        best = np.unravel_index(length.argmin(), length.shape)
+        at, width = np.array([s[best], t[best]]), 0.25 * (high - low)
+        low, high = np.clip(at - width, 0, 1), np.clip(at + width, 0, 1)
+    return length.min()
+
+
+def test_distance_of_segments_is_the_shortest_way_between_them():
+    random = np.random.default_rng(0)
+    cases = [random.normal(size=(2, 2, 3)) for _ in range(40)]
+    point, along = random.normal(size=3), np.array([1.0, 2.0, 3.0])
+    cases += [
+        np.array([[point, point], [along, along]]),  # two points
+        np.array([[point, point], [point, along]]),  # a point on a segment
+        np.array([[point, point + along], [point + 1, point + 1 + along]]),  # in parallel
+        np.array([[point, point + along], [point + 3 * along, point + 4 * along]]),  # in line
+        np.array([[point, point + along], [point, point + along]]),  # the same
+    ]
+    for first, second in cases:
+        expected = naive_distance(*first, *second)
+        assert np.sqrt(segment_distance(first, second)) == pytest.approx(expected, abs=2e-3)
+        assert segment_distance(second, first) == pytest.approx(
+            segment_distance(first, second), abs=1e-9
+        )
+
+
+def test_mean_distances_of_the_skin_are_as_the_equation_says():
+    random = np.random.default_rng(1)
+    vertices = random.normal(size=(300, 3))
+    bones = random.integers(0, 4, size=(300, 8)).astype(np.uint8)
+    ends = random.normal(size=(2, 2, 3))
+    means = mean_distances(vertices, bones, np.array([-1, 1, -1, 0]), ends)
+    for limb, bone in ((1, 1), (0, 3)):
+        start, along = ends[limb, 0], ends[limb, 1] - ends[limb, 0]
+        own = vertices[bones[:, 0] == bone]
+        share = np.clip((own - start) @ along / (along @ along), 0, 1)
+        expected = np.linalg.norm(own - start - share[:, None] * along, axis=1).mean()
+        assert means[limb] == pytest.approx(expected, abs=1e-12)

@@ -1,0 +1,143 @@
+"""How synthetic people move."""
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
+from lsc_pose_ros.synthetic.body.body_file import load_body
+from lsc_pose_ros.synthetic.body.body_mesh import Figure, pose_body, shape_body
+from lsc_pose_ros.synthetic.motion.motion import draw_motion, interpolate
+from lsc_pose_ros.synthetic.motion.rotations import rotation_vectors
+
+RATE = 30.0
+
+
+def source(seed):
+    return np.random.Generator(np.random.PCG64(seed))
+
+
+@pytest.fixture(scope='module')
+def body():
+    return load_body()
+
+
+@pytest.fixture(scope='module')
+def rest(body):
+    return shape_body(body, Figure(30, 1.0))
+
+
+def joints_of(body, rest, motion):
+    some = rest._replace(vertices=rest.vertices[:1])
+    bare = body._replace(skin_bones=body.skin_bones[:1], skin_weights=body.skin_weights[:1])
+    return np.array([pose_body(bare, some, each, np.zeros(3)).joints for each in motion.rotations])
+
+
+@pytest.mark.parametrize('rate', [None, RATE])
+def test_motion_is_made_of_rotations_and_keeps_the_yaw(body, rest, rate):
+    for seed in range(3):
+        motion = draw_motion(body, rest, 40, rate, 0.4, source(seed))
+        assert motion.rotations.shape == (40, len(body.bones), 3, 3)
+        assert motion.yaw.shape == (40,)
+        squared = motion.rotations @ motion.rotations.swapaxes(2, 3)
+        np.testing.assert_allclose(squared, np.broadcast_to(np.eye(3), squared.shape), atol=1e-9)
+        assert np.abs(motion.yaw).max() <= 0.4
+        assert np.abs(motion.yaw).max() > 0.02
+
+
+@pytest.mark.parametrize('rate', [None, RATE])
+def test_motion_is_the_same_for_the_same_seed(body, rest, rate):
+    first = draw_motion(body, rest, 20, rate, 1.0, source(9))
+    again = draw_motion(body, rest, 20, rate, 1.0, source(9))
+    other = draw_motion(body, rest, 20, rate, 1.0, source(10))
+    np.testing.assert_array_equal(first.rotations, again.rotations)
+    np.testing.assert_array_equal(first.yaw, again.yaw)
+    assert np.abs(first.rotations - other.rotations).max() > 0.1
+
+
+def test_motion_is_smooth(body, rest):
+    for seed in range(6):
+        motion = draw_motion(body, rest, 90, RATE, 1.0, source(seed))
+        joints = joints_of(body, rest, motion)
+        steps = np.linalg.norm(np.diff(joints, axis=0), axis=2)
+        # The fastest strikes of trained people are some 10 m/s.
+        assert steps.max() * RATE < 10
+        assert steps.mean() * RATE > 0.03
+        between = motion.rotations[1:] @ motion.rotations[:-1].swapaxes(2, 3)
+        assert np.degrees(np.linalg.norm(rotation_vectors(between), axis=-1)).max() < 35
+        assert np.degrees(np.abs(np.diff(motion.yaw))).max() < 3
+
+
+def test_a_single_frame_of_a_video_can_be_had(body, rest):
+    assert draw_motion(body, rest, 1, RATE, 0.0, source(0)).rotations.shape[0] == 1
+
+
+def test_poses_have_nothing_to_do_with_each_other(body, rest):
+    motion = draw_motion(body, rest, 60, None, np.pi, source(3))
+    joints = joints_of(body, rest, motion)
+    hands = joints[:, JOINT_NUMBERS['l_hand']]
+    assert np.median(np.linalg.norm(np.diff(hands, axis=0), axis=1)) > 0.3
+    assert np.abs(np.diff(motion.yaw)).mean() > 1.2
+
+
+def test_hands_and_feet_get_everywhere_on_either_side_alike(body, rest):
+    """A training set needs variety; and nobody is left-handed on an average."""
+    joints = joints_of(body, rest, draw_motion(body, rest, 800, None, 0.0, source(1)))
+    at = {name: joints[:, number] for name, number in JOINT_NUMBERS.items()}
+    for side in ('l', 'r'):
+        hand = at[f'{side}_hand'] - at[f'{side}_shoulder']
+        assert 0.08 < (hand[:, 1] > 0).mean() < 0.4  # above the shoulder
+        assert 0.15 < (hand[:, 2] > 0.3).mean() < 0.7  # well before it
+        assert (hand[:, 2] < -0.1).mean() > 0.05  # behind it
+        near_head = np.linalg.norm(at[f'{side}_hand'] - at['head'], axis=1) < 0.25
+        assert 0.02 < near_head.mean() < 0.2
+        assert (at[f'{side}_ankle'][:, 1] > at['pelvis'][:, 1] - 0.55).mean() > 0.1
+        across = hand[:, 0] < -0.2 if side == 'l' else hand[:, 0] > 0.2
+        assert 0.05 < across.mean() < 0.3
+    upright = at['neck'][:, 1] - at['pelvis'][:, 1]
+    assert 0.03 < (upright < 0.35).mean() < 0.2
+    mean = {side: at[f'{side}_hand'].mean(axis=0) for side in ('l', 'r')}
+    np.testing.assert_allclose(mean['l'] * [-1, 1, 1], mean['r'], atol=0.06)
+
+
+def naive_interpolate(time, key_times, keys):
+    """Fritsch and Butland's interpolant of one value, from the equation."""
+    spans = np.diff(key_times)
+    steps = np.diff(keys) / spans
+    slopes = np.zeros(len(keys))
+    for key in range(1, len(keys) - 1):
+        before, after = steps[key - 1], steps[key]
+        if before * after > 0:
+            share = (spans[key - 1] + 2 * spans[key]) / (3 * (spans[key - 1] + spans[key]))
+            slopes[key] = before * after / (share * after + (1 - share) * before)
+    for first in range(len(spans)):
+        if key_times[first] <= time <= key_times[first + 1]:
+            u = (time - key_times[first]) / spans[first]
+            return (
+                (1 + 2 * u) * (1 - u) ** 2 * keys[first]
+                + u * (1 - u) ** 2 * spans[first] * slopes[first]
+                + u * u * (3 - 2 * u) * keys[first + 1]
+                + u * u * (u - 1) * spans[first] * slopes[first + 1]
+            )
+    return keys[-1]
+
+
+def test_interpolation_is_the_interpolant_of_the_equation_and_never_overshoots():
+    random = source(2)
+    key_times = np.cumsum(random.random(9) + 0.1) - 0.1
+    keys = random.standard_normal((9, 3))
+    keys[4] = keys[3]
+    times = np.sort(np.concatenate([key_times, random.random(80) * (key_times[-1] + 0.5)]))
+    times = np.maximum(times, key_times[0])
+    values = interpolate(times, key_times, keys)
+    for column in range(3):
+        expected = [naive_interpolate(time, key_times, keys[:, column]) for time in times]
+        np.testing.assert_allclose(values[:, column], expected, atol=1e-9)
+    for first, last in zip(range(8), range(1, 9), strict=True):
+        inside = (times >= key_times[first]) & (times <= key_times[last])
+        low, high = np.sort([keys[first], keys[last]], axis=0)
+        assert (values[inside] >= low - 1e-9).all()
+        assert (values[inside] <= high + 1e-9).all()
+    # The speed has no leap at a key.
+    inner, step = key_times[1:-1], 1e-6
+    before, at, after = (interpolate(inner + d, key_times, keys) for d in (-step, 0.0, step))
+    np.testing.assert_allclose((at - before) / step, (after - at) / step, atol=1e-3)

@@ -1,0 +1,199 @@
+"""What synthetic people do: stances, gestures, strides; each pose on its own."""
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.synthetic.body.body_file import load_body
+from lsc_pose_ros.synthetic.body.body_mesh import Figure, shape_body
+from lsc_pose_ros.synthetic.body.bone_rotations import bone_heads, bone_turns
+from lsc_pose_ros.synthetic.body.self_collision import DEEPEST, deepest_overlap, mannequin_of
+from lsc_pose_ros.synthetic.motion import arm_gestures as gestures
+from lsc_pose_ros.synthetic.motion import lower_body_poses as stances
+from lsc_pose_ros.synthetic.motion.arm_gestures import touch_body
+from lsc_pose_ros.synthetic.motion.gait import stride_angles
+from lsc_pose_ros.synthetic.motion.joint_angles import (
+    ANGLE_NUMBERS,
+    ANGLES,
+    ARMS,
+    LEGS,
+    within_limits,
+)
+from lsc_pose_ros.synthetic.motion.lower_body_poses import draw_stance, let_arms_hang
+from lsc_pose_ros.synthetic.motion.whole_body_poses import draw_gesture, draw_pose
+from lsc_pose_ros.synthetic.sampling import Chances
+
+FIGURES = (Figure(30, 1.0), Figure(6, 0.5), Figure(45, 0.0, weight=0.95, muscle=0.4))
+
+# Winter's shares of the body's mass, with the bone at which each part begins and ends.
+LIMB_MASSES = (
+    (0.028, 'upperarm01', 'lowerarm01'), (0.016, 'lowerarm01', 'wrist'),
+    (0.006, 'wrist', 'finger3-1'), (0.100, 'upperleg01', 'lowerleg01'),
+    (0.0465, 'lowerleg01', 'foot'), (0.0145, 'foot', 'toes'),
+)  # fmt: skip
+MASSES = [(0.497, 'root', 'neck01'), (0.081, 'head', 'head')]
+MASSES += [(m, f'{a}.{side}', f'{b}.{side}') for m, a, b in LIMB_MASSES for side in ('L', 'R')]
+
+
+def source(seed):
+    return np.random.Generator(np.random.PCG64(seed))
+
+
+@pytest.fixture(scope='module', params=FIGURES)
+def mannequin(request):
+    body = load_body()
+    return mannequin_of(body, shape_body(body, request.param))
+
+
+def heads_of(mannequin, angles):
+    rig = mannequin.rig
+    turns = bone_turns(angles, rig.straight, rig.parts)
+    heads = bone_heads(turns, rig.parents, rig.heads)
+    return {name: heads[number] for name, number in rig.numbers.items()}
+
+
+def draw_only(monkeypatch, *names):
+    """Let nothing but the stances called `names` be drawn."""
+    kept = tuple(each for each in stances._STANCES if each[1][1].__name__ in names)
+    assert len(kept) == len(names)
+    monkeypatch.setattr(stances, '_STANCES', kept)
+
+
+def test_poses_keep_limits_and_hardly_ever_go_through_the_body(mannequin):
+    random, depths = source(0), []
+    for _ in range(200):
+        angles = draw_pose(mannequin, Chances(random)).angles
+        np.testing.assert_allclose(within_limits(angles), angles, atol=1e-12)
+        depths.append(deepest_overlap(mannequin, angles[None])[0])
+    # The rest is drawn anew.
+    assert np.mean(np.array(depths) <= DEEPEST) > 0.8
+
+
+def test_who_stands_stands_on_both_feet_and_does_not_fall(mannequin, monkeypatch):
+    names = ('_at_ease', '_apart', '_stride', '_squat', '_stoop')
+    draw_only(monkeypatch, *names)
+    random = source(1)
+    length = mannequin.rig.leg[0] + mannequin.rig.leg[1]
+    level, off, planted = [], [], []
+    for _ in range(200):
+        angles = within_limits(draw_stance(mannequin.rig, Chances(random)).angles)
+        at = heads_of(mannequin, angles)
+        mass = sum(share * 0.5 * (at[first] + at[last]) for share, first, last in MASSES)
+        soles = np.array(
+            [at[f'{bone}.{side}'] for side in ('L', 'R') for bone in ('foot', 'toes')]
+        )
+        middle, reach = soles.mean(axis=0), np.abs(soles - soles.mean(axis=0)).max(axis=0)
+        off.append(np.abs(mass - middle)[[0, 2]] / length - 0.5 * reach[[0, 2]] / length)
+        balls = [at[f'toes.{side}'][1] for side in ('L', 'R')]
+        level.append(abs(balls[0] - balls[1]) / length)
+        planted.append(soles[:, 1].max() < -0.2 * length)
+    assert np.mean(np.array(level) < 0.05) > 0.9
+    assert np.mean(np.max(off, axis=1) < 0.08) > 0.9
+    assert all(planted)
+
+
+def test_who_sits_has_bent_hips_and_feet_before_or_below(mannequin, monkeypatch):
+    draw_only(monkeypatch, '_sit')
+    random = source(2)
+    for _ in range(60):
+        stance = draw_stance(mannequin.rig, Chances(random))
+        assert stance.kind == 'sit'
+        angles = within_limits(stance.angles)
+        at = heads_of(mannequin, angles)
+        trunk = at['neck01'] - at['root']
+        length = mannequin.rig.leg[1]
+        assert min(at['foot.L'][1], at['foot.R'][1]) < -0.5 * length  # the other one may be on it
+        for side in ('L', 'R'):
+            thigh = at[f'lowerleg01.{side}'] - at[f'upperleg01.{side}']
+            assert thigh[2] > 0.5 * mannequin.rig.leg[0]
+            assert thigh @ trunk > -0.75 * np.linalg.norm(thigh) * np.linalg.norm(trunk)
+
+
+def test_a_stride_is_left_right_and_goes_round():
+    size = (0.0, 1.0, 0.0)
+    for running in (0.0, 1.0):
+        start, half = (stride_angles(phase, running, 1.0) for phase in (0.0, 0.5))
+        np.testing.assert_allclose(start[LEGS[0]], half[LEGS[1]], atol=1e-12)
+        np.testing.assert_allclose(start[ARMS[0]], half[ARMS[1]], atol=1e-12)
+        nearly = stride_angles(1 - 1e-9, running, 1.0)
+        np.testing.assert_allclose(start, nearly, atol=1e-6)
+        knees = [stride_angles(phase, running, 1.0)[ANGLE_NUMBERS['l_knee']]
+                 for phase in np.arange(100) / 100]  # fmt: skip
+        assert np.degrees(max(knees)) == pytest.approx(100 if running else 60, abs=5)
+        assert np.abs(np.diff(knees)).max() < np.radians(8)
+    walking = stride_angles(0.0, *size[:2])
+    # The left leg is before, and so is the right arm.
+    assert walking[ANGLE_NUMBERS['l_hip_flexion']] > walking[ANGLE_NUMBERS['r_hip_flexion']]
+    forwards = {side: np.sin(walking[ANGLE_NUMBERS[f'{side}_plane']]) for side in ('l', 'r')}
+    assert forwards['r'] > 0 > forwards['l']
+
+
+@pytest.mark.parametrize('side', [0, 1])
+@pytest.mark.parametrize('touch', [touch for _, touch in gestures._TOUCHES],
+                         ids=lambda touch: f'{touch.part}{touch.which}')  # fmt: skip
+def test_hands_lie_on_the_body_but_not_in_it(mannequin, side, touch):
+    random, near = source(4), []
+    rig, capsules = mannequin
+    for _ in range(12):
+        angles = np.zeros(len(ANGLES))
+        let_arms_hang(angles)
+        before = angles.copy()
+        touch_body(mannequin, angles, side, touch, Chances(random))
+        assert deepest_overlap(mannequin, angles[None])[0] <= DEEPEST
+        others = np.ones(len(ANGLES), bool)
+        others[ARMS[side]] = False
+        np.testing.assert_array_equal(angles[others], before[others])
+        if np.array_equal(angles, before):
+            continue  # out of reach
+        at = heads_of(mannequin, angles)
+        letter = 'LR'[side]
+        palm = 0.5 * (at[f'wrist.{letter}'] + at[f'finger3-1.{letter}'])
+        number = gestures._capsule(capsules.names, touch, side)
+        turns = bone_turns(angles, rig.straight, rig.parts)
+        bone = capsules.bones[number]
+        name = next(name for name, each in rig.numbers.items() if each == bone)
+        start, end = at[name] + capsules.ends[number] @ turns[bone].T
+        along = end - start
+        share = np.clip((palm - start) @ along / max(along @ along, 1e-9), 0, 1)
+        off = np.linalg.norm(palm - start - share * along) - capsules.radii[number]
+        near.append(off / rig.arm.sum())
+    if near:
+        assert np.median(near) < 0.12
+    assert near or touch.part.startswith(('own_', 'other_', 'neck'))
+
+
+def test_gestures_keep_the_legs_and_now_and_then_an_arm(mannequin):
+    random, kept = source(5), 0
+    before = draw_pose(mannequin, Chances(random))
+    for _ in range(40):
+        after = draw_gesture(mannequin, before, Chances(random))
+        for side in (0, 1):
+            np.testing.assert_allclose(after.angles[LEGS[side]], before.angles[LEGS[side]])
+            kept += np.array_equal(after.angles[ARMS[side]], before.angles[ARMS[side]])
+    assert 8 < kept < 35
+
+
+def test_chances_are_as_they_say():
+    random = source(6)
+    drawn = [Chances(random, 16) for _ in range(4000)]
+    bell = np.array([chances.near(3.0, 2.0) for chances in drawn])
+    assert bell.mean() == pytest.approx(3.0, abs=0.1)
+    assert bell.std() == pytest.approx(2.0, abs=0.1)
+    assert np.mean([chances.happens(0.3) for chances in drawn]) == pytest.approx(0.3, abs=0.03)
+    between = [chances.between(-1.0, 3.0) for chances in drawn]
+    assert min(between) >= -1.0
+    assert max(between) < 3.0
+    names = [chances.choose(((1.0, 'rare'), (3.0, 'often'))) for chances in drawn]
+    assert names.count('often') == pytest.approx(3000, abs=120)
+    # What one takes does not matter to the next.
+    one, other = source(7), source(7)
+    Chances(one).share()
+    Chances(other)
+    assert Chances(one).share() == Chances(other).share()
+
+
+def test_a_pose_never_needs_more_chances_than_are_drawn(mannequin, monkeypatch):
+    """Every try at the arms fails; both arms touch the body or close on each other."""
+    monkeypatch.setattr('lsc_pose_ros.synthetic.motion.whole_body_poses.DEEPEST', -1.0)
+    random = source(8)
+    for _ in range(300):
+        draw_pose(mannequin, Chances(random))

@@ -1,0 +1,330 @@
+"""The kernels of the sensors' noise, each against a plain twin written from the equations."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.synthetic.scene.image import Image
+from lsc_pose_ros.synthetic.sensors.correlated_noise import grain, interpolate, place_nodes
+from lsc_pose_ros.synthetic.sensors.optics import Range, focal_length, nearest_pixel, slope
+from lsc_pose_ros.synthetic.sensors.time_of_flight import (
+    EDGE,
+    KINECT_V2,
+    STEEPEST,
+    TOF,
+    Chances,
+    TimeOfFlight,
+    deviation,
+    expose,
+)
+from lsc_pose_ros.synthetic.sensors.triangulation import (
+    FADING,
+    HALF,
+    KINECT_V1,
+    LOGISTIC,
+    REALSENSE,
+    ZED,
+    Disparities,
+    Triangulation,
+    average,
+    look,
+    match,
+    measure,
+    quantile,
+)
+
+WIDTH, HEIGHT = 40, 30
+CAMERA = Intrinsics(36.0, 34.0, 19.0, 15.5)
+REACH = Range(1.2, 3.0)
+
+
+def random_image(seed: int) -> Image:
+    """A wavy slope with holes, a box before it, and a margin without anything."""
+    random = np.random.default_rng(seed)
+    rows, columns = np.mgrid[:HEIGHT, :WIDTH]
+    depth = 2 + 0.03 * rows + 0.1 * np.sin(columns / 3)
+    depth[8:20, 15:25] = 1.4
+    depth[2:6, 12:16] = 1.0
+    depth[25:, 30:] = 4.5
+    depth[random.random(depth.shape) < 0.1] = 0.0
+    depth[:, :8] = 0.0
+    labels = np.where(depth > 0, 1 + (columns > 20), NO_BODY)
+    labels[depth > 2.5] = NO_BODY
+    return Image(depth.astype(np.float32), labels.astype(np.int32))
+
+
+def normal(seed: int, *shape: int) -> NDArray[np.float32]:
+    return np.random.default_rng(seed).standard_normal(shape).astype(np.float32)
+
+
+def naive_slope(depth: NDArray[np.float32], row: int, column: int, focal: float) -> float:
+    changes = []
+    for down, right in ((1, 0), (0, 1)):
+        own = []
+        for sign in (-1, 1):
+            at = row + sign * down, column + sign * right
+            inside = 0 <= at[0] < depth.shape[0] and 0 <= at[1] < depth.shape[1]
+            if inside and depth[at] > 0:
+                own.append(abs(float(depth[at]) - float(depth[row, column])))
+        changes.append(min(own, default=0.0))
+    return math.hypot(*changes) * focal / float(depth[row, column])
+
+
+def test_slope_agrees_with_its_plain_twin() -> None:
+    depth = random_image(3).depth
+    for row, column in np.argwhere(depth > 0):
+        found = slope(depth, row, column, 36.0)
+        assert found == pytest.approx(naive_slope(depth, row, column, 36.0), rel=1e-6)
+
+
+@pytest.mark.parametrize('angle', [0.0, 30.0, 60.0, 80.0])
+def test_slope_of_a_turned_wall_is_the_tangent_of_its_angle(angle: float) -> None:
+    tangent = math.tan(math.radians(angle))
+    rays = (np.arange(101) - 50) / 1000.0
+    row = (2.0 / (1.0 - tangent * rays)).astype(np.float32)
+    depth = np.tile(row, (3, 1))
+    assert slope(depth, 1, 50, 1000.0) == pytest.approx(tangent, rel=0.01, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ('place', 'pixel'), [(-7.0, 0), (-0.5, 0), (0.49, 0), (0.5, 1), (3.2, 3), (9.0, 4)]
+)
+def test_the_nearest_pixel_is_within_the_image(place: float, pixel: int) -> None:
+    assert nearest_pixel(place, 5) == pixel
+
+
+def test_focal_length_holds_the_field_of_view() -> None:
+    assert focal_length(640, 90.0) == pytest.approx(320.0)
+    assert 2 * math.degrees(math.atan(88 / focal_length(176, 43.6))) == pytest.approx(43.6)
+
+
+@pytest.mark.parametrize('spacing', [1.3, 3.0, 7.7, 100.0])
+def test_interpolation_agrees_with_its_plain_twin(spacing: float) -> None:
+    rows, columns = place_nodes(HEIGHT, spacing, 0.3), place_nodes(WIDTH, spacing, 0.9)
+    values = normal(1, int(rows.first[-1]) + 2, int(columns.first[-1]) + 2)
+    found = np.empty((HEIGHT, WIDTH), np.float32)
+    interpolate(values, rows, columns, found)
+
+    expected = np.empty((HEIGHT, WIDTH))
+    for row in range(HEIGHT):
+        for column in range(WIDTH):
+            y, x = row / spacing + 0.3, column / spacing + 0.9
+            down, right = y - math.floor(y), x - math.floor(x)
+            patch = values[math.floor(y) : math.floor(y) + 2, math.floor(x) : math.floor(x) + 2]
+            weights = np.outer([1 - down, down], [1 - right, right])
+            expected[row, column] = (weights * patch).sum() / np.sqrt((weights**2).sum())
+    np.testing.assert_allclose(found, expected, atol=1e-5)
+
+
+def likeness(gap: float) -> float:
+    """The mean correlation of two places that lie a share of the grid's spacing apart."""
+    place = np.linspace(0, 1, 2001)[:, None] + np.array([0, gap])
+    # Each node's weight falls linearly to nothing at its neighbours.
+    weights = np.maximum(1 - np.abs(place[..., None] - np.arange(-1, 5)), 0)
+    weights /= np.linalg.norm(weights, axis=-1, keepdims=True)
+    return float((weights[:, 0] * weights[:, 1]).sum(axis=-1).mean()) if gap < 1 else 0.0
+
+
+@pytest.mark.parametrize('spacing', [0.4, 2.5, 6.0])
+def test_grain_has_deviation_one_everywhere_and_the_length_that_was_asked(spacing: float) -> None:
+    random = np.random.default_rng(0)
+    fields = np.stack([grain((24, 26), spacing, random) for _ in range(1500)])
+    assert fields.dtype == np.float32
+    np.testing.assert_allclose(fields.std(axis=0), 1.0, atol=0.1)
+    near = (fields[:, :, 1:] * fields[:, :, :-1]).mean()
+    gap = math.ceil(2 * spacing)
+    far = (fields[:, :, gap:] * fields[:, :, :-gap]).mean()
+    assert abs(far) < 0.02
+    assert near == pytest.approx(likeness(1 / spacing), abs=0.02)
+
+
+def naive_look(
+    image: Image, sensor: Triangulation, lost: NDArray[np.float32]
+) -> NDArray[np.float64]:
+    near = np.zeros((HEIGHT, WIDTH))
+    gone = np.zeros((HEIGHT, WIDTH), bool)
+    move, focal = CAMERA.fx * sensor.baseline, (CAMERA.fx + CAMERA.fy) / 2
+    steep = math.tan(math.radians(sensor.grazing))
+    chance = 1 / (1 + np.exp(-LOGISTIC * lost.astype(float)))
+    for row, column in np.argwhere(image.depth > 0):
+        z = float(image.depth[row, column])
+        place = column - move / z
+        farther_right = range(column + 1, WIDTH)
+        hidden = any(
+            image.depth[row, other] > 0
+            and other - move / float(image.depth[row, other]) - HALF < place
+            for other in farther_right
+        )
+        outside = sensor.cameras == 2 and place < -HALF
+        tilt = naive_slope(image.depth, row, column, focal)
+        loss = sensor.patches + max(0, 1 - steep / tilt if tilt > 0 else 0)
+        loss += max(0, (z / REACH.farthest - 1) / FADING)
+        near[row, column] = 1 / z
+        gone[row, column] = hidden or outside or z < REACH.nearest or chance[row, column] < loss
+    return np.where(gone, -near, near)
+
+
+@pytest.mark.parametrize(
+    'sensor',
+    [
+        KINECT_V1._replace(baseline=0.4, grazing=40.0),
+        REALSENSE._replace(baseline=0.2, grazing=30.0, patches=0.1),
+        ZED._replace(baseline=0.3),
+    ],
+)
+def test_what_is_seen_agrees_with_its_plain_twin(sensor: Triangulation) -> None:
+    image, lost = random_image(1), normal(2, HEIGHT, WIDTH)
+    found = np.empty((HEIGHT, WIDTH), np.float32)
+    look(image.depth, sensor, REACH, CAMERA, lost, found)
+    expected = naive_look(image, sensor, lost)
+    np.testing.assert_allclose(found, expected, rtol=1e-6)
+    missing = found < 0
+    assert 20 < missing.sum() < 0.7 * (image.depth > 0).sum()
+
+
+def test_quantile_is_that_of_the_normal_distribution() -> None:
+    values = np.random.default_rng(0).standard_normal(100_000)
+    for share in (0.02, 0.2, 0.5, 0.9):
+        assert (values < quantile(share)).mean() == pytest.approx(share, abs=0.012)
+    assert quantile(0.0) == -math.inf
+    assert quantile(1.0) == quantile(7.0) == math.inf
+
+
+@pytest.mark.parametrize('scale', [0.0, 0.7, 3.0, 500.0])
+@pytest.mark.parametrize('growth', [0.0, 0.8, 2.5])
+def test_matching_agrees_with_its_plain_twin(scale: float, growth: float) -> None:
+    image = random_image(4)
+    with np.errstate(divide='ignore'):
+        near = np.where(image.depth > 0, 1 / image.depth, 0).astype(np.float32)
+    near[normal(15, HEIGHT, WIDTH) < -1] *= -1  # lost
+    shifts, fringe = np.float32(scale) * normal(5, 2, HEIGHT, WIDTH), normal(6, HEIGHT, WIDTH)
+    fringe = np.float32(growth) * (1 + fringe)
+    found = Disparities(np.empty_like(near), np.empty_like(image.labels))
+    match(Disparities(near, image.labels), shifts, fringe, 0.1, found)
+
+    for row in range(HEIGHT):
+        for column in range(WIDTH):
+            middle = np.array([row, column]) + np.floor(shifts[:, row, column].astype(float) + 0.5)
+            middle = np.clip(middle, 0, [HEIGHT - 1, WIDTH - 1]).astype(int)
+            radius = max(0, math.floor(float(fringe[row, column]) + 0.5))
+            reach = radius * np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])
+            places = np.clip(middle + reach, 0, [HEIGHT - 1, WIDTH - 1])
+            values = near[places[:, 0], places[:, 1]]
+            own = tuple(middle)
+            grows = values.max() > abs(float(near[own])) + 0.1
+            best = tuple(places[np.argmax(values)]) if grows else own
+            assert found.near[row, column] == max(near[best], 0)
+            assert found.labels[row, column] == image.labels[best]
+
+
+@pytest.mark.parametrize('radius', [0, 1, 4, 100])
+def test_averaging_agrees_with_its_plain_twin(radius: int) -> None:
+    near = random_image(7).depth.copy()
+    found = average(near, radius, 0.2)
+    expected = near.astype(float)
+    for axis in (1, 0):
+        before = expected.astype(np.float32).astype(float)
+        lines = before if axis == 1 else before.T
+        averaged = np.zeros_like(lines)
+        for line, values in enumerate(lines):
+            for place, middle in enumerate(values):
+                window = values[max(place - radius, 0) : place + radius + 1]
+                window = window[(window > 0) & (abs(window - middle) <= 0.2)]
+                averaged[line, place] = window.mean() if middle > 0 else 0
+        expected = averaged if axis == 1 else averaged.T
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize('sensor', [KINECT_V1, REALSENSE, ZED])
+@pytest.mark.parametrize('scale', [0.0, 1.0, 300.0])
+def test_measuring_agrees_with_its_plain_twin(sensor: Triangulation, scale: float) -> None:
+    image, noise = random_image(8), np.float32(scale) * normal(9, HEIGHT, WIDTH)
+    found = Image(np.empty_like(image.depth), image.labels.copy())
+    measure(image.depth, noise, sensor, found)
+    near = image.depth.astype(float)
+    whole = np.floor((near + sensor.deviation * noise) / sensor.step + 0.5)
+    measured = (near > 0) & (whole >= 1)
+    expected = np.where(measured, 1 / (np.where(measured, whole, 1) * sensor.step), 0)
+    np.testing.assert_allclose(found.depth, expected, rtol=1e-6)
+    np.testing.assert_array_equal(found.labels, np.where(measured, image.labels, NO_BODY))
+
+
+def naive_mix(
+    depth: NDArray[np.float32], middle: NDArray[np.float64], half: float, gap: float
+) -> tuple[float, tuple[int, int]]:
+    """Integrate over the square with every pixel of the image, its rims repeated outwards."""
+    margin = 3 + math.ceil(half)
+    wide = np.pad(depth.astype(float), margin, mode='edge')
+    cells = []
+    for count, place in zip(wide.shape, middle + margin, strict=True):
+        low = np.maximum(np.arange(count) - 0.5, place - half)
+        cells.append(np.maximum(np.minimum(np.arange(count) + 0.5, place + half) - low, 0))
+    filled = np.outer(*cells)
+    solid = wide > 0
+    light = np.where(solid, filled, 0) / np.where(solid, wide, 1) ** 2
+    wall = wide[(filled > 0) & solid].max() + gap
+    behind = filled[~solid].sum() / wall**2
+    if behind >= light.sum():
+        return 0.0, (0, 0)
+    row, column = np.unravel_index(np.argmax(light), light.shape)
+    at = (
+        int(np.clip(row - margin, 0, depth.shape[0] - 1)),
+        int(np.clip(column - margin, 0, depth.shape[1] - 1)),
+    )
+    return float(((light * wide).sum() + behind * wall) / (light.sum() + behind)), at
+
+
+@pytest.mark.parametrize('sensor', [TOF, KINECT_V2._replace(area=3.3), TOF._replace(area=40.0)])
+def test_exposure_agrees_with_its_plain_twin(sensor: TimeOfFlight) -> None:
+    sensor = sensor._replace(focal=60.0)
+    clean = random_image(10)
+    random = np.random.default_rng(11)
+    chances = Chances(
+        np.float32(0.6) * normal(12, 2, HEIGHT, WIDTH),
+        normal(13, HEIGHT, WIDTH),
+        random.random((HEIGHT, WIDTH)).astype(np.float32),
+        1.7,
+    )
+    found = Image(np.zeros_like(clean.depth), np.full_like(clean.labels, NO_BODY))
+    expose(clean, sensor, REACH, CAMERA, chances, found)
+
+    half = sensor.area * CAMERA.fx / sensor.focal / 2
+    last = np.array([HEIGHT - 1, WIDTH - 1])
+    flying = 0
+    for row in range(HEIGHT):
+        for column in range(WIDTH):
+            middle = np.array([row, column]) + chances.shifts[:, row, column].astype(float)
+            sides = [np.clip(np.floor(middle + s + 0.5), 0, last) for s in (-half, half)]
+            (above, left), (below, right) = np.array(sides).astype(int)
+            corners = clean.depth[[above, above, below, below], [left, right, left, right]]
+            drop = float(chances.drop[row, column])
+            at = tuple(np.clip(np.floor(middle + 0.5), 0, last).astype(int))
+            z = float(clean.depth[at])
+            if np.ptp(corners) > EDGE:
+                flying += 1
+                z, at = naive_mix(clean.depth, middle, half, chances.gap)
+                z = 0.0 if drop < sensor.filtered else z
+            expected, label = 0.0, NO_BODY
+            if z >= REACH.nearest:
+                tilt = naive_slope(clean.depth, *at, (CAMERA.fx + CAMERA.fy) / 2)
+                if drop < (REACH.farthest / z) ** 2 * math.cos(math.atan(tilt)):
+                    spread = deviation(sensor, z, tilt)
+                    expected = max(z + spread * chances.noise[row, column], REACH.nearest)
+                    label = clean.labels[at]
+            assert found.depth[row, column] == pytest.approx(expected, rel=1e-5)
+            assert found.labels[row, column] == label
+    assert flying > 100
+
+
+@pytest.mark.parametrize('angle', [0.0, 30.0, 60.0, 79.0, 89.0])
+def test_time_of_flight_deviates_as_its_formula_says(angle: float) -> None:
+    turned = min(math.radians(angle), STEEPEST)
+    z = 2.3
+    expected = 1.5 - 0.5 * z + 0.3 * z**2
+    expected += 0.1 * z**1.5 * turned**2 / (math.pi / 2 - turned) ** 2
+    found = 1000 * deviation(KINECT_V2, z, math.tan(math.radians(angle)))
+    assert found == pytest.approx(expected, rel=1e-6)

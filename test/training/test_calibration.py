@@ -1,0 +1,164 @@
+import numpy as np
+import pytest
+
+from lsc_pose_ros.evaluation.confidence_reliability import measure_reliability
+from lsc_pose_ros.evaluation.evaluate import evaluate
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.inference.confidence import KNOTS, support
+from lsc_pose_ros.synthetic.generator import synthetic_frames
+from lsc_pose_ros.training.calibration import (
+    Evidence,
+    calibrate,
+    fit_calibration,
+    gather_evidence,
+    pool_adjacent_violators,
+)
+from lsc_pose_ros.training.samples import hold_out, labelled_people, split_samples
+from lsc_pose_ros.training.train import train
+
+
+def plain_isotonic(values, weights):
+    """The min-max formula: the largest of all means that end, smallest of those that begin."""
+    count = len(values)
+    means = np.array(
+        [
+            [
+                np.average(values[i : j + 1], weights=weights[i : j + 1]) if j >= i else np.nan
+                for j in range(count)
+            ]
+            for i in range(count)
+        ]
+    )
+    return [max(min(means[i, k:]) for i in range(k + 1)) for k in range(count)]
+
+
+@pytest.mark.parametrize('seed', range(8))
+def test_pooling_gives_the_rising_fit(seed):
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, 30))
+    values = np.round(rng.random(count) + 0.03 * np.arange(count) * (seed % 3), seed % 2 + 1)
+    weights = rng.uniform(0.1, 5, count)
+    found = pool_adjacent_violators(values, weights)
+    np.testing.assert_allclose(found, plain_isotonic(values, weights), atol=1e-12)
+
+
+def test_pooling_of_what_rises_and_of_what_falls():
+    ones = np.ones(4)
+    rising = np.array([0.1, 0.1, 0.4, 0.9])
+    np.testing.assert_allclose(pool_adjacent_violators(rising, ones), rising)
+    np.testing.assert_allclose(pool_adjacent_violators(rising[::-1], ones), np.full(4, 0.375))
+    assert len(pool_adjacent_violators(np.zeros(0), np.zeros(0))) == 0
+
+
+def made_up(people, joints=3, seed=0):
+    """Evidence with a known probability: the square root of the share."""
+    rng = np.random.default_rng(seed)
+    shares = rng.random((people, joints)).astype(np.float32)
+    near = (rng.random(shares.shape) < np.sqrt(shares)).astype(np.float32)
+    return Evidence(shares, near)
+
+
+def test_a_known_probability_is_found():
+    found = fit_calibration(made_up(20_000))
+    assert found.shape == (3, KNOTS)
+    expected = np.sqrt(np.linspace(0, 1, KNOTS))
+    np.testing.assert_allclose(found[:, 2:], np.tile(expected, (3, 1))[:, 2:], atol=0.06)
+
+
+@pytest.mark.parametrize('people', [0, 1, 3, 300])
+def test_confidence_rises_and_is_never_certain(people):
+    found = fit_calibration(made_up(people))
+    assert (np.diff(found, axis=1) >= 0).all()
+    assert found.min() > 0
+    assert found.max() < 1
+
+
+def test_a_few_people_do_not_overrule_the_other_joints():
+    """Three misses of one joint say little against three hundred hits of the others."""
+    shares = np.full((300, 3), 0.6, np.float32)
+    near = np.ones_like(shares)
+    near[:3, 0] = 0
+    near[3:, 0] = np.nan
+    found = fit_calibration(Evidence(shares, near))
+    knot = round(0.6 * (KNOTS - 1))
+    assert found[1, knot] > 0.97
+    assert 0.3 < found[0, knot] < found[1, knot]
+
+
+def test_what_is_not_labelled_does_not_count():
+    evidence = made_up(500)
+    more = Evidence(
+        np.concatenate([evidence.shares, np.full((50, 3), 0.9, np.float32)]),
+        np.concatenate([evidence.near, np.full((50, 3), np.nan, np.float32)]),
+    )
+    np.testing.assert_allclose(fit_calibration(more), fit_calibration(evidence))
+
+
+def test_evidence_is_what_the_estimator_answers(small_model, people):
+    frame = people[40]
+    settings = small_model.settings._replace(query_points=70)
+    model = small_model._replace(settings=settings)
+    evidence = gather_evidence(model, labelled_people([frame], model.joints, settings))
+    stages = Estimator(model).stages(frame.depth, frame.labels, frame.camera, 1)
+    expected = support(stages.joint_votes, stages.joints, settings.joint_bandwidth)
+    np.testing.assert_allclose(evidence.shares[0], expected, atol=1e-4)
+    errors = np.linalg.norm(
+        stages.joints - frame.ground_truth.positions[0, small_model.joints], axis=-1
+    )
+    np.testing.assert_array_equal(evidence.near[0], errors <= 0.1)
+
+
+def test_nobody_leaves_the_model_as_it_is(small_model):
+    bare = small_model._replace(calibration=small_model.calibration[:0])
+    assert calibrate(bare, []) is bare
+
+
+def test_calibrated_confidence_can_be_believed_with_strangers(small_model, easy):
+    def strangers(seed, frames):
+        return list(synthetic_frames(easy._replace(frames=frames, seed=seed, clip_length=5)))
+
+    bare = small_model._replace(calibration=small_model.calibration[:0])
+    teachers = labelled_people(strangers(31, 150), bare.joints, bare.settings)
+    test = strangers(32, 150)
+    raw, calibrated = (
+        measure_reliability(evaluate(Estimator(model), test))
+        for model in (bare, calibrate(bare, teachers))
+    )
+    assert raw.ece > 0.15
+    assert calibrated.ece < 0.06
+    assert calibrated.brier < raw.brier
+
+
+@pytest.mark.parametrize('share', [0.0, 0.05, 0.1, 0.5])
+@pytest.mark.parametrize('count', [0, 1, 9, 240, 3600, 3605])
+def test_stretches_are_held_out(count, share):
+    held = hold_out(count, share)
+    assert held.shape == (count,)
+    assert abs(held.sum() - share * count) <= 10
+    begins = np.flatnonzero(np.diff(np.concatenate([[False], held]).astype(int)) == 1)
+    if share * count >= 20:
+        assert len(begins) == 10
+        assert np.diff(begins).min() >= count // 10 - 1
+    if share == 0:
+        assert not held.any()
+
+
+def test_those_held_out_are_not_learned_from(people, training):
+    def everybody():
+        return labelled_people(people[:60], training.joints, training.settings)
+
+    samples, aside = split_samples(everybody(), None, 0.25)
+    held = hold_out(60, 0.25)
+    assert len(aside) == held.sum() > 0
+    assert len(samples.scale) == (~held).sum()
+    scales = np.array([person.scale for person in everybody()], np.float32)
+    np.testing.assert_array_equal(samples.scale, scales[~held])
+    np.testing.assert_array_equal([np.float32(person.scale) for person in aside], scales[held])
+
+
+def test_training_calibrates_unless_it_is_told_not_to(people, training, small_model):
+    assert small_model.calibration.shape == (len(training.joints), KNOTS)
+    assert small_model.provenance['confidence learnt from'] == '10 people'
+    model = train(people[:60], training._replace(hold_out=0.0), {})
+    assert model.calibration.shape == (0, KNOTS)
+    assert model.provenance['people'] == '60'

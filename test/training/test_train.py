@@ -1,0 +1,201 @@
+import tracemalloc
+
+import numpy as np
+import pytest
+
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.evaluation.evaluate import evaluate, joint_errors, summarise
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.synthetic.generator import synthetic_frames
+from lsc_pose_ros.training.samples import (
+    Person,
+    gather_samples,
+    most_samples,
+    people_in,
+    select_joints,
+)
+from lsc_pose_ros.training.train import GIBIBYTE, limb_lengths, train
+
+
+@pytest.fixture(scope='module')
+def strangers(easy):
+    """People that the model has not seen."""
+    return list(synthetic_frames(easy._replace(frames=40, seed=77, clip_length=8)))
+
+
+@pytest.mark.parametrize('graph', [True, False])
+def test_a_small_model_finds_strangers(small_model, strangers, graph):
+    evaluation = evaluate(Estimator(small_model, graph=graph), strangers)
+    summary = summarise(evaluation, 0.1)
+    assert len(evaluation.seconds) == 40
+    assert summary.map > 0.7
+    assert summary.mean_error_m < 0.12
+
+
+def test_training_is_repeatable(people, training):
+    first, again = (train(people[:60], training, {}) for _ in range(2))
+    for one, two in zip(first.forest[:4], again.forest[:4], strict=True):
+        np.testing.assert_array_equal(one, two)
+    np.testing.assert_array_equal(first.forest.joint_votes.offset, again.forest.joint_votes.offset)
+
+
+def samples_of(frames, training):
+    return gather_samples(
+        person
+        for frame in frames
+        for person in people_in(frame, training.joints, training.settings)
+    )
+
+
+def test_samples_are_in_units_of_rho_bar(people, training):
+    samples = samples_of(people[:5], training)
+    assert samples.quantised.shape == (360, len(samples.points))
+    assert len(samples.scale) == 5
+    ground_truth = people[3].ground_truth
+    wanted = select_joints(ground_truth, training.joints)[0]
+    np.testing.assert_allclose(samples.joints[3] * samples.scale[3], wanted, rtol=1e-5)
+    depths = (samples.points * samples.scale[samples.person][:, None])[samples.person == 3, 2]
+    body = people[3].depth[(people[3].labels >= 0) & (people[3].depth > 0)]
+    assert body.min() - 0.05 < depths.min() <= depths.max() < body.max() + 0.05
+
+
+def test_limb_lengths_are_means_over_the_people(people, training):
+    samples = samples_of(people[:9], training)
+    places = np.stack([select_joints(f.ground_truth, training.joints)[0] for f in people[:9]])
+    edges = np.array([[1, 0], [2, 3]], np.int32)
+    expected = [np.linalg.norm(places[:, a] - places[:, b], axis=-1).mean() for a, b in edges]
+    np.testing.assert_allclose(limb_lengths(samples, edges), expected, rtol=1e-4)
+
+
+def test_a_joint_that_nobody_labels_is_named(people, training):
+    frames = [
+        frame._replace(
+            ground_truth=frame.ground_truth._replace(
+                joints=frame.ground_truth.joints[:4],
+                positions=frame.ground_truth.positions[:, :4],
+                confidence=frame.ground_truth.confidence[:, :4],
+            )
+        )
+        for frame in people[:3]
+    ]
+    with pytest.raises(InputError, match=r'no frame labels l_shoulder, .*--joints'):
+        train(frames, training, {})
+
+
+@pytest.mark.parametrize('change', ['no truth', 'another number', 'empty mask', 'no frames'])
+def test_nobody_to_learn_from_is_an_input_error(people, training, change):
+    frame = people[0]
+    frames = {
+        'no truth': [frame._replace(ground_truth=None)],
+        'another number': [frame._replace(labels=np.where(frame.labels >= 0, 9, NO_BODY))],
+        'empty mask': [frame._replace(labels=np.full_like(frame.labels, NO_BODY))],
+        'no frames': [],
+    }[change]
+    with pytest.raises(InputError, match='no labelled person'):
+        train(frames, training, {})
+
+
+def test_unlabelled_joints_do_not_hurt(people, training):
+    """Every third person lacks an elbow; the others teach it."""
+    elbow = 5
+    frames = []
+    for number, frame in enumerate(people[:60]):
+        positions = frame.ground_truth.positions.copy()
+        positions[:, elbow] = np.nan if number % 3 == 0 else positions[:, elbow]
+        frames.append(
+            frame._replace(ground_truth=frame.ground_truth._replace(positions=positions))
+        )
+    model = train(frames, training, {})
+    assert np.isfinite(model.forest.joint_votes.offset).all()
+    assert np.isfinite(model.limb_lengths).all()
+    column = list(training.joints).index(elbow)
+    assert (model.forest.joint_votes.target == column).any()
+
+
+def skeletons(bodies, joints, positions):
+    positions = np.array(positions, np.float32)
+    return Skeletons(
+        np.array(bodies, np.uint16),
+        np.array(joints, np.uint16),
+        positions,
+        np.ones(positions.shape[:2], np.float32),
+    )
+
+
+def test_errors_are_matched_by_body_and_joint_number():
+    ground_truth = skeletons(
+        [3, 5, 8], [0, 4], [[[0, 0, 2], [1, 0, 2]], [[9, 9, 9], [np.nan] * 3], [[0] * 3] * 2]
+    )
+    found = skeletons(
+        [5, 3], [4, 0, 1], [[[0] * 3, [9, 9, 9.5], [0] * 3], [[1, 0.3, 2], [np.nan] * 3, [0] * 3]]
+    )
+    errors = joint_errors(found, ground_truth)
+    np.testing.assert_allclose(
+        errors, [[0.3, np.inf, np.nan], [np.nan, 0.5, np.nan], [np.inf, np.inf, np.nan]], rtol=1e-6
+    )
+
+
+def test_what_is_missing_is_missed_and_what_is_unlabelled_does_not_count(small_model, strangers):
+    evaluation = evaluate(Estimator(small_model), strangers[:1])._replace(
+        joints=numbers_of(['head', 'neck', 'torso']),
+        errors=np.array([[0.05, np.inf, np.nan], [0.2, 0.1, np.nan]], np.float32),
+    )
+    summary = summarise(evaluation, 0.1)
+    assert list(summary.joints) == ['head', 'neck']
+    assert summary.joints['head'] == pytest.approx((0.125, 0.5, 2))
+    assert summary.joints['neck'] == pytest.approx((0.1, 0.5, 2))
+    assert summary.map == pytest.approx(0.5)
+    assert summary.mean_error_m == pytest.approx(0.1125)
+
+
+def test_frames_without_labels_cannot_be_evaluated(small_model, strangers):
+    with pytest.raises(InputError, match='no frame has a labelled person'):
+        evaluate(
+            Estimator(small_model), [frame._replace(ground_truth=None) for frame in strangers[:2]]
+        )
+
+
+def crowd(count, points=64):
+    """People whose points and descriptors tell who they are, made one by one."""
+    for number in range(count):
+        yield Person(
+            np.full((points, 360), number % 256, np.uint8),
+            np.arange(3.0 * points, dtype=np.float32).reshape(points, 3),
+            np.full((2, 3), number, np.float32),
+            1.0,
+        )
+
+
+def test_too_many_samples_leave_fewer_points_of_everybody():
+    samples = gather_samples(crowd(50), 50 * 64 // 3)
+    assert len(samples.scale) == 50
+    assert np.bincount(samples.person).tolist() == [16] * 50
+    np.testing.assert_array_equal(samples.quantised[0], samples.person)
+    np.testing.assert_array_equal(samples.joints[:, 0, 0], np.arange(50))
+    np.testing.assert_array_equal(samples.points[:16, 0], 3 * 4 * np.arange(16))
+
+
+def test_at_least_a_point_of_everybody_is_kept():
+    assert np.bincount(gather_samples(crowd(9), 1).person).tolist() == [1] * 9
+
+
+def test_memory_does_not_grow_with_the_recording():
+    peaks = []
+    for count in (400, 1600):
+        tracemalloc.start()
+        samples = gather_samples(crowd(count), 10_000)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert 5_000 <= len(samples.points) <= 10_000
+    # 10,000 descriptors are 3.6 MB; in full, 1,600 people would be 37 MB.
+    assert max(peaks) < 12e6
+    assert peaks[1] < 1.3 * peaks[0]
+
+
+def test_more_memory_holds_more_samples():
+    assert most_samples(8 * GIBIBYTE, 17, 360) > 20_000 * 400
+    assert most_samples(GIBIBYTE, 17, 360) < 1_000_000
+    assert most_samples(0, 17, 360) == 1

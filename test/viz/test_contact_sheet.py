@@ -1,0 +1,69 @@
+import io
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+from PIL import Image
+
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.viz.drawing.canvas import png_bytes
+from lsc_pose_ros.viz.drawing.colours import EDGE, LEFT, RIGHT, TRUTH
+from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
+
+
+def pixels(frames: list[DrawnFrame]) -> NDArray[np.uint8]:
+    """The sheet's pixels above its legend, shape (rows, columns, 3)."""
+    data = png_bytes(contact_sheet(frames, 'a title'))
+    with Image.open(io.BytesIO(data)) as image:
+        return np.asarray(image.convert('RGB'))[:-40]
+
+
+def count(image: NDArray[np.uint8], colour: str) -> int:
+    wanted = np.round(255 * np.array(to_rgb(colour)))
+    return int((np.abs(image - wanted).max(axis=-1) < 8).sum())
+
+
+def test_estimate_ground_truth_and_silhouette_are_drawn_in_their_colours(
+    drawn: list[DrawnFrame],
+) -> None:
+    image = pixels(drawn[:1])
+    assert min(count(image, colour) for colour in (LEFT, RIGHT, TRUTH, EDGE)) > 10
+
+
+def test_without_an_estimate_the_ground_truth_takes_the_colours_of_the_sides(
+    drawn: list[DrawnFrame],
+) -> None:
+    image = pixels([drawn[0]._replace(estimate=None)])
+    assert count(image, TRUTH) == 0
+    assert min(count(image, LEFT), count(image, RIGHT)) > 10
+
+
+def test_without_ground_truth_only_the_estimate_is_drawn(drawn: list[DrawnFrame]) -> None:
+    image = pixels([drawn[0]._replace(frame=drawn[0].frame._replace(ground_truth=None))])
+    assert count(image, TRUTH) == 0
+    assert count(image, LEFT) > 10
+
+
+def test_the_same_frames_give_the_same_file(drawn: list[DrawnFrame]) -> None:
+    assert png_bytes(contact_sheet(drawn)) == png_bytes(contact_sheet(drawn))
+
+
+@pytest.mark.parametrize(
+    ('frames', 'shape'), [(1, (1, 1)), (5, (1, 5)), (8, (2, 4)), (13, (3, 5))]
+)
+def test_every_frame_has_a_place(
+    drawn: list[DrawnFrame], frames: int, shape: tuple[int, int]
+) -> None:
+    figure = contact_sheet([drawn[number % 3] for number in range(frames)])
+    grid = figure.axes[0].get_gridspec()
+    assert (grid.nrows, grid.ncols) == shape
+    assert sum(bool(axes.get_title()) for axes in figure.axes) == frames
+
+
+def test_a_frame_that_shows_nobody_is_drawn_whole(drawn: list[DrawnFrame]) -> None:
+    frame = drawn[0].frame
+    empty = frame._replace(labels=np.full_like(frame.labels, NO_BODY), ground_truth=None)
+    axes = contact_sheet([DrawnFrame('frame 0', empty)]).axes[0]
+    assert axes.get_xlim() == (-0.5, 159.5)

@@ -1,0 +1,88 @@
+import numpy as np
+import pytest
+
+from lsc_pose_ros.data_types.camera import Intrinsics, project
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.pose.estimator import find_shape
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.viz.drawing.colours import LEFT, MIDDLE, RIGHT, bone_colour, side_colour
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, caption, only_joints, silhouette_pixels
+
+
+def skeletons(*rows: list[float], joints: tuple[int, ...] = (0, 1, 2)) -> Skeletons:
+    """Bodies numbered from 1, whose joints lie at (x, 0, 2) metres."""
+    places = np.zeros((len(rows), len(joints), 3), np.float32)
+    places[..., 2] = 2
+    places[..., 0] = rows
+    places[np.isnan(places[..., 0])] = np.nan
+    return Skeletons(
+        np.arange(1, len(rows) + 1, dtype=np.uint16),
+        np.array(joints, np.uint16),
+        places,
+        np.ones(places.shape[:2], np.float32),
+    )
+
+
+def drawn(ground_truth: Skeletons | None, estimate: Skeletons | None) -> DrawnFrame:
+    nothing = np.zeros((4, 4), np.float32)
+    labels = np.full((4, 4), NO_BODY, np.int32)
+    frame = Frame(0, '', nothing, labels, Intrinsics(9, 9, 2, 2), ground_truth)
+    return DrawnFrame('frame 3', frame, estimate)
+
+
+NAN = float('nan')
+
+
+@pytest.mark.parametrize(
+    ('ground_truth', 'estimate', 'said'),
+    [
+        ([[0.0, 0.0, 0.0]], [[0.01, 0.02, 0.06]], 'frame 3: 3.0 cm'),
+        ([[0.0, NAN, 0.0]], [[0.01, 0.50, 0.03]], 'frame 3: 2.0 cm'),
+        ([[0.0, 0.0, 0.0]], [[0.02, NAN, 0.04]], 'frame 3: 3.0 cm, 1 missing'),
+        ([[0.0, 0.0, 0.0]], [[NAN, NAN, NAN]], 'frame 3: no answer'),
+        ([[0.0] * 3, [0.0] * 3], [[0.02] * 3], 'frame 3: 2.0 cm, 3 missing'),
+        ([[NAN, NAN, NAN]], [[0.0, 0.0, 0.0]], 'frame 3'),
+    ],
+)
+def test_caption_tells_the_mean_error(
+    ground_truth: list[list[float]], estimate: list[list[float]], said: str
+) -> None:
+    assert caption(drawn(skeletons(*ground_truth), skeletons(*estimate))) == said
+
+
+def test_caption_without_ground_truth_or_estimate_is_the_label() -> None:
+    known = skeletons([0.0, 0.0, 0.0])
+    assert caption(drawn(known, None)) == 'frame 3'
+    assert caption(drawn(None, known)) == 'frame 3'
+
+
+def test_only_joints_follows_the_estimates_order_and_leaves_gaps() -> None:
+    ground_truth = skeletons([0.1, 0.2, 0.3], joints=(0, 4, 12))
+    kept = only_joints(ground_truth, np.array([12, 1, 4], np.uint16))
+    np.testing.assert_allclose(kept.positions[0, :, 0], [0.3, np.nan, 0.2], rtol=1e-6)
+
+
+@pytest.mark.parametrize('fill_holes', [0, 5])
+def test_silhouette_pixels_are_those_of_the_method(fill_holes: int, people: list[Frame]) -> None:
+    settings = Settings(points=50, fill_holes=fill_holes)
+    depth = people[0].depth.copy()
+    depth[::4, ::4] = 0
+    frame = people[0]._replace(depth=depth)
+    shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
+    assert shape is not None
+    wanted = shape.silhouette.points
+    pixels = silhouette_pixels(frame, settings)
+    np.testing.assert_allclose(pixels, project(wanted, frame.camera))
+    rows, columns = pixels.round().astype(int)[:, ::-1].T
+    of_the_body = frame.labels[rows, columns] == 1
+    assert (of_the_body | (frame.depth[rows, columns] == 0)).all()
+    assert of_the_body.all() == (fill_holes == 0)  # the mask knows nothing of what is filled
+
+
+def test_sides_have_colours_of_their_own() -> None:
+    assert [side_colour(name) for name in ('l_hand', 'r_hand', 'neck')] == [LEFT, RIGHT, MIDDLE]
+    assert bone_colour('neck', 'l_shoulder') == LEFT
+    assert bone_colour('r_hip', 'r_knee') == RIGHT
+    assert bone_colour('l_hip', 'r_hip') == MIDDLE
+    assert bone_colour('neck', 'head') == MIDDLE
