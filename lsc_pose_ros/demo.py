@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
@@ -159,7 +159,7 @@ def compare(recording: Path) -> Outcome:
             answers[stamp] = skeletons
     frames = answered = 0
     errors: list[float] = []
-    for frame in open_frames(recording):
+    for frame in open_recording(recording):
         frames += 1
         if frame.ground_truth is None or frame.stamp not in answers:
             continue

@@ -34,7 +34,7 @@ from card import (
 )
 from people import RECIPES, Mocap, Part, find_mocap, generate
 
-from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli import main as command_line
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
 from lsc_pose_ros.cli.output.json_file import write_json
@@ -191,7 +191,7 @@ def _measure(
 
 
 def _read(estimator: Estimator, name: str, path: Path) -> People:
-    return measure(estimator, name, read_frames([open_frames(path)], name))
+    return measure(estimator, name, read_frames([open_recording(path)], name))
 
 
 def publish(arguments: argparse.Namespace, made: Made, results: dict[str, Any]) -> None:

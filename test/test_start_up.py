@@ -39,7 +39,7 @@ from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.estimation.warm_up import warm_up
 from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.model_io.model_file import load_model
-from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.bags.serialization.image_messages import depth_of, labels_of
 from lsc_pose_ros.bags.serialization.deserialize import CompressedImageMessage, ImageMessage
 
@@ -72,7 +72,7 @@ def messages(frame):
         yield depth, mask, frame.camera
 
 model, recording, graph = sys.argv[1], sys.argv[2], bool(int(sys.argv[3]))
-sent = [message for frame in open_frames(recording) for message in messages(frame)]
+sent = [message for frame in open_recording(recording) for message in messages(frame)]
 estimator = Estimator(load_model(model), graph=graph)
 warm_up(estimator)
 before = compiled()

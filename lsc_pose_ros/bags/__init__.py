@@ -1,6 +1,6 @@
 """Recordings of ROS 2: rosbag2 in MCAP or SQLite, read and written without ROS."""
 
-from lsc_pose_ros.bags.frames import FrameReader, open_frames
+from lsc_pose_ros.bags.frames import FrameReader, open_recording
 from lsc_pose_ros.bags.storage.raw_messages import RawMessage, TopicSummary
 from lsc_pose_ros.bags.storage.reader import RawReader, read_messages
 from lsc_pose_ros.bags.storage.writer import RecordingWriter
@@ -14,6 +14,6 @@ __all__ = [
     'RecordingWriter',
     'TopicSummary',
     'Topics',
-    'open_frames',
+    'open_recording',
     'read_messages',
 ]

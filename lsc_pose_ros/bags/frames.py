@@ -42,7 +42,7 @@ class FrameReader:
     """
 
     def __init__(self, raw: RawReader, topics: Topics, mask_background: int) -> None:
-        """Read frames from `raw`; `open_frames` is the way to make one."""
+        """Read frames from `raw`; `open_recording` is the way to make one."""
         self._raw = raw
         self._background = mask_background
         self.path = raw.path
@@ -189,7 +189,7 @@ class _Reading:
         return self.assembly.add_ground_truth(ground_truth.stamp, ground_truth.skeletons)
 
 
-def open_frames(
+def open_recording(
     path: Path | str,
     topics: Topics = _ALL_TO_FIND,
     *,

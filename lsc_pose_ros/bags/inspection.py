@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from lsc_pose_ros.bags.frames import FrameReader, open_frames
+from lsc_pose_ros.bags.frames import FrameReader, open_recording
 from lsc_pose_ros.bags.storage.reader import RawReader, read_messages
 from lsc_pose_ros.bags.topics import Topics
 from lsc_pose_ros.errors import InputError
@@ -67,7 +67,7 @@ class Inspection:
         self._count = 0
         self._labelled = 0
         try:
-            self._frames = open_frames(path, topics, mask_background=mask_background)
+            self._frames = open_recording(path, topics, mask_background=mask_background)
         except InputError as error:
             self._without_frames = [f'it has no frames: {error}']
 

@@ -26,6 +26,7 @@ from lsc_pose_ros.model_io.model_check import (
 from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes
 from lsc_pose_ros.pose.inference.confidence import uncalibrated
 from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.resources.package_files import find_model
 
 FORMAT = 'lsc_pose model'
 VERSION = 3
@@ -92,14 +93,18 @@ def save_model(path: str | os.PathLike[str], model: Model) -> None:
         beside.unlink(missing_ok=True)
 
 
-def load_model(path: str | os.PathLike[str]) -> Model:
-    """Return the model in the file `path`.
+def load_model(model: str | os.PathLike[str]) -> Model:
+    """Return the model in a file, or a model that comes with the package.
+
+    Args:
+        model: the path of a model file, or the name of a model of the package: 'default' or
+            'front'. A file takes precedence over a model of the package with the same name.
 
     Raises:
-        InputError: there is no such file, it is no model, it is of a newer version, or its parts
-            do not fit together.
+        InputError: there is no such file or name, the file is no model, it has another version,
+            or its parts do not fit together.
     """
-    source = Path(path)
+    source = find_model(os.fspath(model))
     try:
         _check_sizes(source)
         with np.load(source, allow_pickle=False) as archive:

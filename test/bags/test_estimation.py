@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lsc_pose_ros.bags import RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags import RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC, answer_frames
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
@@ -73,21 +73,21 @@ def test_replay_and_live_give_the_same_joints(
     output = tmp_path / 'out.mcap'
     with RecordingWriter(output) as writer:
         sequence = Sequence(Estimator(small_model), settings)
-        answers = list(answer_frames(open_frames(recording), sequence, writer))
-    expected = live(list(open_frames(recording)), small_model, settings)
+        answers = list(answer_frames(open_recording(recording), sequence, writer))
+    expected = live(list(open_recording(recording)), small_model, settings)
     assert_same(answers, expected)
     assert_same(written(output), expected)
     assert np.isfinite(answers[0].positions).any()
 
 
 def test_settings_make_a_difference(recording: Path, small_model: Model) -> None:
-    frames = list(open_frames(recording))
+    frames = list(open_recording(recording))
     plain, smooth = (live(frames, small_model, each) for each in (SequenceSettings(), ALL))
     assert not np.array_equal(plain[1].positions, smooth[1].positions, equal_nan=True)
 
 
 def test_bodies_without_masks(recording: Path, small_model: Model, tmp_path: Path) -> None:
-    frames = list(open_frames(recording))
+    frames = list(open_recording(recording))
     how = SegmentationSettings(segmentation=NEAREST, range_min=0.5, range_max=3.6)
     segmenter = make_segmenter(how)
     assert segmenter is not None
@@ -101,6 +101,8 @@ def test_bodies_without_masks(recording: Path, small_model: Model, tmp_path: Pat
     )
     with RecordingWriter(tmp_path / 'out.mcap') as writer:
         sequence = Sequence(Estimator(small_model), ALL)
-        found = list(answer_frames(open_frames(recording), sequence, writer, make_segmenter(how)))
+        found = list(
+            answer_frames(open_recording(recording), sequence, writer, make_segmenter(how))
+        )
     assert_same(found, expected)
     assert np.isfinite(found[0].positions).any()

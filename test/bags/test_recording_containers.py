@@ -11,7 +11,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as BagWriter
 
-from lsc_pose_ros.bags import RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags import RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.serialization.type_store import typestore
 from lsc_pose_ros.errors import InputError
 
@@ -87,7 +87,7 @@ def test_bags(tmp_path, messages, storage, mode, version, part):
     assert counts == dict.fromkeys(
         ['/depth/image', '/depth/camera_info', '/mask', '/ground_truth/skeletons'], 10
     )
-    assert len(list(open_frames(path))) == 10
+    assert len(list(open_recording(path))) == 10
 
 
 @pytest.mark.parametrize('compression', CompressionType)
@@ -121,7 +121,7 @@ def test_mcap_with_less_in_its_summary(tmp_path, messages, options):
     assert list(reader) == messages
     assert reader.warnings == []
     assert set(reader.topics) == {message.topic for message in messages}
-    assert len(list(open_frames(path))) == 10
+    assert len(list(open_recording(path))) == 10
 
 
 def split(folder, messages, name):
@@ -150,7 +150,7 @@ def test_split_bags(tmp_path, messages, with_metadata):
     assert list(reader) == messages
     assert reader.topics['/depth/image'].count == 10
     assert reader.warnings == []
-    assert len(list(open_frames(folder))) == 10
+    assert len(list(open_recording(folder))) == 10
 
 
 def test_split_bags_are_read_in_the_order_of_their_numbers(tmp_path, messages):
@@ -259,7 +259,7 @@ def test_other_serialisations_are_left_out_with_a_warning(tmp_path, messages):
         'the topic /depth/image was left out: it is serialised as protobuf' in reader.warnings[0]
     )
     with pytest.raises(InputError, match='serialised as protobuf'):
-        open_frames(path)
+        open_recording(path)
 
 
 @pytest.mark.parametrize(
@@ -308,7 +308,7 @@ def test_real_bags_are_read_whole(shared, name):
     declared = {name: topic.count for name, topic in reader.topics.items() if topic.count}
     assert declared == reader.tally.counts
     assert 'transient_local' in reader.topics['/tf_static'].qos
-    frames = open_frames(shared / 'bags' / f'd160_{name}')
+    frames = open_recording(shared / 'bags' / f'd160_{name}')
     assert frames.count == 60
     assert sum(1 for _ in frames) == 60
     assert frames.warnings == []
@@ -317,13 +317,13 @@ def test_real_bags_are_read_whole(shared, name):
 @pytest.mark.parametrize('name', ['none', 'fastwrite', 'filezstd'])
 def test_a_real_bags_file_alone(shared, name):
     (path,) = Path(shared / 'bags' / f'd160_{name}').glob('*.mcap*')
-    frames = open_frames(path)
+    frames = open_recording(path)
     assert frames.count == 60
     assert sum(1 for _ in frames) == 60
 
 
 def test_the_killed_recording_is_read_up_to_the_damage(shared):
-    frames = open_frames(shared / 'bags' / 'd160_killed')
+    frames = open_recording(shared / 'bags' / 'd160_killed')
     assert frames.count == 153
     assert sum(1 for _ in frames) == 152
     counts = frames.tally.counts
@@ -341,7 +341,7 @@ def test_the_killed_recording_is_read_up_to_the_damage(shared):
 
 @pytest.mark.parametrize(('name', 'count'), [('front_val', 500), ('tof_val', 317)])
 def test_synthetic_recordings_are_labelled(shared, name, count):
-    frames = open_frames(shared / 'synthetic' / f'{name}.mcap')
+    frames = open_recording(shared / 'synthetic' / f'{name}.mcap')
     assert frames.count == count
     joints = [frame.ground_truth.joints.tolist() for frame in frames]
     assert joints == [list(range(20))] * count

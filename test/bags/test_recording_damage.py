@@ -11,7 +11,7 @@ from mcap.writer import Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as BagWriter
 
-from lsc_pose_ros.bags import RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags import RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.serialization.type_store import typestore
 from lsc_pose_ros.errors import InputError
 
@@ -93,7 +93,7 @@ def test_a_truncated_file_is_read_up_to_there(tmp_path, mcap_bytes, messages, sh
     seconds = (read[-1].log_time - read[0].log_time) * 1e-9
     assert float(match[3]) == pytest.approx(seconds, abs=0.051)
     assert reader.topics['/depth/image'].count == sum(m.topic == '/depth/image' for m in read)
-    frames = open_frames(path)
+    frames = open_recording(path)
     assert sum(1 for _ in frames) >= len(read) // 4 - 1
     assert frames.warnings[0] == warning
 
@@ -180,7 +180,7 @@ def test_a_truncated_compressed_file(tmp_path, mcap_bytes, sqlite_bytes, message
 def read_whatever_is_there(path):
     """Read it in every way; return whether something was wrong."""
     try:
-        reader = open_frames(path)
+        reader = open_recording(path)
         for _ in reader:
             pass
         reader.count  # noqa: B018

@@ -14,7 +14,7 @@ from ros_messages import (
     image,
 )
 
-from lsc_pose_ros.bags import RecordingWriter, Topics, open_frames
+from lsc_pose_ros.bags import RecordingWriter, Topics, open_recording
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
@@ -49,7 +49,7 @@ def info(stamp=1, **changes):
 
 
 def the_frame(path, **options):
-    (frame,) = open_frames(path, **options)
+    (frame,) = open_recording(path, **options)
     np.testing.assert_allclose(frame.depth, DEPTH * 1e-3, rtol=1e-6)
     np.testing.assert_array_equal(frame.labels, LABELS)
     return frame
@@ -111,7 +111,7 @@ def test_a_mask_with_the_background_255(tmp_path):
 
 def test_without_masks_where_none_are_needed(tmp_path):
     path = write(tmp_path / 'a.mcap', [depth_image(), info()])
-    (frame,) = open_frames(path, need_mask=False)
+    (frame,) = open_recording(path, need_mask=False)
     assert (frame.labels == NO_BODY).all()
 
 
@@ -132,7 +132,7 @@ def test_topics_by_their_encoding(tmp_path):
 def test_the_camera_info_may_come_once_and_late(tmp_path):
     messages = [message(stamp) for stamp in range(5) for message in (depth_image, mask_image)]
     path = write(tmp_path / 'a.mcap', [*messages, info(3)])
-    assert [frame.stamp for frame in open_frames(path)] == list(range(5))
+    assert [frame.stamp for frame in open_recording(path)] == list(range(5))
 
 
 def test_what_has_no_partner_is_counted(tmp_path):
@@ -144,7 +144,7 @@ def test_what_has_no_partner_is_counted(tmp_path):
         mask_image(1),
         info(),
     ]
-    reader = open_frames(write(tmp_path / 'a.mcap', messages))
+    reader = open_recording(write(tmp_path / 'a.mcap', messages))
     assert [frame.stamp for frame in reader] == [1]
     assert reader.warnings == [
         '1 of /depth/image were left out: they have no mask in /mask',
@@ -156,7 +156,7 @@ def test_what_has_no_partner_is_counted(tmp_path):
 def test_a_damaged_message_is_left_out(tmp_path):
     broken = '/depth/image', IMAGE, 2, depth_image(2)[3][:50]
     messages = [depth_image(1), mask_image(1), broken, mask_image(2), info()]
-    reader = open_frames(write(tmp_path / 'a.mcap', messages))
+    reader = open_recording(write(tmp_path / 'a.mcap', messages))
     assert len(list(reader)) == 1
     assert '1 damaged messages of /depth/image were left out' in reader.warnings
 
@@ -186,7 +186,7 @@ def test_a_damaged_message_is_left_out(tmp_path):
 def test_recordings_that_cannot_be_used(tmp_path, messages, words):
     path = write(tmp_path / 'bad.mcap', messages)
     with pytest.raises(InputError) as caught:
-        list(open_frames(path))
+        list(open_recording(path))
     assert words in str(caught.value)
     assert 'bad.mcap' in str(caught.value)
     assert '\n' not in str(caught.value)
@@ -206,14 +206,14 @@ def test_compressions_that_cannot_be_used(tmp_path, topic, text, words):
     messages.append((topic, COMPRESSED_IMAGE, 1, compressed_image(1, text, bytes(99))))
     path = write(tmp_path / 'bad.mcap', messages)
     with pytest.raises(InputError, match=words) as caught:
-        list(open_frames(path))
+        list(open_recording(path))
     assert f'topic {topic}' in str(caught.value)
 
 
 def test_a_ground_truth_topic_that_is_none(tmp_path):
     path = write(tmp_path / 'a.mcap', [depth_image(), mask_image(), info()])
     with pytest.raises(InputError, match='no topic /truth'):
-        open_frames(path, Topics(ground_truth='/truth'))
+        open_recording(path, Topics(ground_truth='/truth'))
 
 
 def peak_memory(path):
@@ -221,7 +221,7 @@ def peak_memory(path):
     gc.collect()
     tracemalloc.start()
     try:
-        for _ in open_frames(path):
+        for _ in open_recording(path):
             pass
         return tracemalloc.get_traced_memory()[1]
     finally:

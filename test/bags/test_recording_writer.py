@@ -16,7 +16,7 @@ from lsc_pose_ros.bags import (
     DEFAULT_TOPICS,
     RecordingWriter,
     Topics,
-    open_frames,
+    open_recording,
     read_messages,
 )
 from lsc_pose_ros.bags.storage.metadata import Written, metadata_yaml
@@ -64,7 +64,7 @@ def assert_same(frame, other):
 @pytest.mark.parametrize('name', ['one.mcap', 'bag'])
 def test_frames_come_back(tmp_path, simple_frames, name):
     write_all(tmp_path / name, simple_frames)
-    reader = open_frames(tmp_path / name)
+    reader = open_recording(tmp_path / name)
     assert reader.topics == DEFAULT_TOPICS
     assert reader.count == len(simple_frames)
     for _ in range(2):  # each iteration starts anew
@@ -205,7 +205,7 @@ def test_a_frame_without_ground_truth_and_other_topics(tmp_path, simple_frames):
     with RecordingWriter(path) as writer:
         for frame in simple_frames:
             writer.write_frame(frame._replace(ground_truth=None), topics)
-    reader = open_frames(path)
+    reader = open_recording(path)
     assert reader.topics == topics
     assert [frame.ground_truth for frame in reader] == [None] * len(simple_frames)
 
@@ -216,7 +216,7 @@ def test_another_background(tmp_path, simple_frames):
     frame = simple_frames[0]._replace(labels=labels)
     with RecordingWriter(path) as writer:
         writer.write_frame(frame, mask_background=255)
-    (read,) = open_frames(path, mask_background=255)
+    (read,) = open_recording(path, mask_background=255)
     np.testing.assert_array_equal(read.labels, labels)
     assert set(np.unique(read.labels)) == {NO_BODY, 0, 2}
 
@@ -285,7 +285,7 @@ def test_a_recording_without_messages_is_whole(tmp_path):
             pass
         assert list(read_messages(tmp_path / name)) == []
         with pytest.raises(InputError, match='has no messages'):
-            open_frames(tmp_path / name)
+            open_recording(tmp_path / name)
     assert '9223372036854775807' in metadata_yaml(Written('f', [], None, None))
 
 
@@ -299,5 +299,5 @@ def test_depth_in_a_recording_is_rounded_to_millimetres(tmp_path, simple_frames)
     frame: Frame = simple_frames[0]._replace(depth=depth)
     with RecordingWriter(tmp_path / 'one.mcap') as writer:
         writer.write_frame(frame)
-    (read,) = open_frames(tmp_path / 'one.mcap')
+    (read,) = open_recording(tmp_path / 'one.mcap')
     assert read.depth == pytest.approx(1.234)

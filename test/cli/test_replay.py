@@ -13,7 +13,7 @@ from rosbags.typesys import Stores, get_typestore
 from lsc_pose_ros.bags import (
     DEFAULT_TOPICS,
     RecordingWriter,
-    open_frames,
+    open_recording,
     read_messages,
 )
 from lsc_pose_ros.bags.estimation import MARKERS_TOPIC, SKELETONS_TOPIC
@@ -93,7 +93,7 @@ def test_every_frame_is_answered_with_the_estimators_joints(
 ) -> None:
     estimator = Estimator(load_model(small_model_file))
     answers = [read_skeletons(data) for data in of(replay(recording), SKELETONS_TOPIC)]
-    frames = list(open_frames(recording))
+    frames = list(open_recording(recording))
     assert [answer.stamp for answer in answers] == [frame.stamp for frame in frames]
     for answer, frame in zip(answers, frames, strict=True):
         expected = estimator.estimate(frame.depth, frame.labels, frame.camera)
@@ -187,7 +187,7 @@ def test_truncated_recording_is_answered_up_to_the_damage(
     path = tmp_path / 'cut.mcap'
     with RecordingWriter(path) as writer:
         for number in range(40):
-            for frame in list(open_frames(recording))[:12]:
+            for frame in list(open_recording(recording))[:12]:
                 write(writer, frame._replace(stamp=frame.stamp + number * 10**9))
     data = path.read_bytes()
     path.write_bytes(data[: 2 * len(data) // 3])
@@ -199,7 +199,7 @@ def test_truncated_recording_is_answered_up_to_the_damage(
 def test_without_graph(
     replay: Callable[..., Path], recording: Path, small_model_file: Path
 ) -> None:
-    frame = next(iter(open_frames(recording)))
+    frame = next(iter(open_recording(recording)))
     alone = Estimator(load_model(small_model_file), graph=False)
     expected = alone.estimate(frame.depth, frame.labels, frame.camera)
     answer = read_skeletons(of(replay(recording, '--no-graph'), SKELETONS_TOPIC)[0])
@@ -218,7 +218,7 @@ def test_the_nodes_parameters_are_taken(
     words = '--query-points 60 --body-ids tracked --smoothing --smoothing-cutoff 0.7'
     output = replay(recording, *words.split(), '--smoothing-beta', '3')
     answers = [read_skeletons(data) for data in of(output, SKELETONS_TOPIC)]
-    frames = list(open_frames(recording))
+    frames = list(open_recording(recording))
     for answer, frame in zip(answers, frames, strict=True):
         expected = sequence.answer(frame.stamp, frame.depth, frame.labels, frame.camera)
         for found, wanted in zip(answer.skeletons, expected, strict=True):

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli.commands import synth_command
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
@@ -27,7 +27,7 @@ def test_command_writes_what_is_generated(
     assert run_command(output, *words) == 0
     assert '4 frames, 4 people' in capsys.readouterr().out
     settings = SyntheticSettings(frames=4, people=2, width=160, height=120, clip_length=2, seed=5)
-    read = list(open_frames(output))
+    read = list(open_recording(output))
     for frame, original in zip(read, synthetic_frames(settings), strict=True):
         assert frame.ground_truth is not None
         assert original.ground_truth is not None

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli.commands import import_command
 from lsc_pose_ros.data_types.camera import project
 from lsc_pose_ros.data_types.frame import NO_BODY
@@ -314,7 +314,7 @@ def test_command_writes_a_labelled_recording(
     assert '9 frames of 3 sequences' in capsys.readouterr().out
     takes = select_takes(small, Selection(subjects=[1]))
     expected = list(import_utd_mhad(takes, label_filter=False))
-    read = list(open_frames(output))
+    read = list(open_recording(output))
     assert [frame.stamp for frame in read] == [frame.stamp for frame in expected]
     for frame, original in zip(read, expected, strict=True):
         np.testing.assert_allclose(frame.depth, original.depth, atol=1e-6)

@@ -25,7 +25,7 @@ from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from visualization_msgs.msg import MarkerArray
 
 import lsc_pose_ros
-from lsc_pose_ros.bags import RecordingWriter, open_frames
+from lsc_pose_ros.bags import RecordingWriter, open_recording
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.bags.serialization.serialize import (
     camera_info_message,
@@ -64,7 +64,7 @@ def generate(folder: Path, **settings: object) -> list[Frame]:
     with RecordingWriter(folder / 'generated.mcap') as writer:
         for frame in synthetic_frames(SyntheticSettings(**(small | settings))):
             writer.write_frame(frame)
-    return list(open_frames(folder / 'generated.mcap'))
+    return list(open_recording(folder / 'generated.mcap'))
 
 
 class Program:

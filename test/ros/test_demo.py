@@ -12,7 +12,7 @@ pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 from live_ros import Program
 
 from lsc_pose_ros import demo
-from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_frames
+from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_recording
 from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.serialize import skeletons_message
 from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
@@ -94,7 +94,7 @@ def test_answers_are_put_where_their_frames_are(
     files = demo._files(tmp_path)._replace(test=labelled_recording)
     demo.write_live(files, answers)
     assert demo.compare(files.live) == (10, 10, 0.0)
-    assert len(list(open_frames(files.live))) == 10
+    assert len(list(open_recording(files.live))) == 10
 
 
 def test_directory_that_cannot_be_made(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -112,7 +112,7 @@ def error_of_the_mean_pose(training: Path, test: Path) -> float:
 
 def poses(recording: Path) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """The middle of what is seen of each body, and its joints."""
-    for frame in open_frames(recording):
+    for frame in open_recording(recording):
         for body, joints in zip(
             frame.ground_truth.bodies, frame.ground_truth.positions, strict=True
         ):

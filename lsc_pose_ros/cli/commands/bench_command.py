@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
 from lsc_pose_ros.cli.options.frame_selection import spread
 from lsc_pose_ros.cli.options.image_size import image_size
@@ -115,7 +115,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _recorded(arguments: argparse.Namespace) -> list[EncodedFrame]:
-    reader = open_frames(
+    reader = open_recording(
         arguments.recording, topics_of(arguments), mask_background=arguments.mask_background
     )
     frames = spread(read_frames([reader], 'reading'), arguments.frames)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_frames, read_messages
+from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.estimation import answer_frames
 from lsc_pose_ros.cli.options.estimation_options import (
     add_answer_arguments,
@@ -60,7 +60,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the recording, the model or the output cannot be used, or ROS 2 is missing.
     """
-    reader = open_frames(
+    reader = open_recording(
         arguments.recording,
         topics_of(arguments),
         mask_background=arguments.mask_background,

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from lsc_pose_ros.bags import FrameReader, open_frames, read_messages
+from lsc_pose_ros.bags import FrameReader, open_recording, read_messages
 from lsc_pose_ros.cli.input.recorded_skeletons import find_skeletons_topic, read_skeletons_at
 from lsc_pose_ros.cli.options.frame_selection import Numbered, pick, spread
 from lsc_pose_ros.cli.options.model_option import add_model_argument
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: the recording, the model or the output cannot be used.
     """
     _check(arguments)
-    reader = open_frames(
+    reader = open_recording(
         arguments.recording,
         topics_of(arguments),
         mask_background=arguments.mask_background,

@@ -5,7 +5,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from lsc_pose_ros.bags import FrameReader, open_frames
+from lsc_pose_ros.bags import FrameReader, open_recording
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.frame import Frame
@@ -33,7 +33,7 @@ def open_recordings(
         InputError: one of them cannot be opened or holds no ground truth.
     """
     readers = [
-        open_frames(path, topics_of(arguments), mask_background=arguments.mask_background)
+        open_recording(path, topics_of(arguments), mask_background=arguments.mask_background)
         for path in (arguments.recordings if paths is None else paths)
     ]
     for reader in readers:
