@@ -22,6 +22,11 @@ find_python = $(shell \
 SEED_VERSIONS := $(foreach version,3.10 3.13,$(if $(call find_python,$(version)),$(version)))
 SEED_FOLDERS := $(SEED_VERSIONS:%=.venv-%)
 
+# colcon needs a setuptools older than the one that the other tests use.
+COLCON := .venv-colcon
+COLCON_PACKAGES := 'setuptools<80' colcon-core colcon-defaults colcon-library-path colcon-metadata \
+	colcon-output colcon-package-selection colcon-python-setup-py colcon-recursive-crawl colcon-ros
+
 # The ROS wheels mark the environment of the Python that they have set up; ours is another.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 ifneq ($(ROS_DISTRO),jazzy)
@@ -55,8 +60,9 @@ lint: $(VENV)/installed
 	else echo 'mypy: skipped; the types are written for those of numpy 2.3 and newer'; fi
 	$(BIN)/lint-imports --no-cache
 
-test-newest: $(VENV)/installed $(SEED_FOLDERS:%=%/installed)
-	LSC_POSE_PYTHONS='$(subst $() ,:,$(SEED_FOLDERS:%=%/bin/python))' $(BIN)/python -m pytest
+test-newest: $(VENV)/installed $(COLCON)/installed $(SEED_FOLDERS:%=%/installed)
+	LSC_POSE_PYTHONS='$(subst $() ,:,$(SEED_FOLDERS:%=%/bin/python))' \
+	LSC_POSE_COLCON='$(COLCON)/bin/colcon' $(BIN)/python -m pytest
 
 test-floor: $(if $(FLOOR_PYTHON),$(FLOOR)/installed)
 ifneq ($(FLOOR_PYTHON),)
@@ -78,7 +84,7 @@ benchmarks-live: $(VENV)/installed
 	$(BIN)/python benchmarks/live.py
 
 clean:
-	rm -rf $(VENV) $(FLOOR) .venv-3.* demo build install log dist *.egg-info
+	rm -rf $(VENV) $(FLOOR) $(COLCON) .venv-3.* demo build install log dist *.egg-info
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
 	find lsc_pose_ros test launch -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -95,6 +101,10 @@ endif
 
 .venv-3.%/installed: Makefile .ci/environment
 	.ci/environment $(@D) '$(call find_python,3.$*)' -- numba numpy pyyaml
+	@touch $@
+
+$(COLCON)/installed: Makefile .ci/environment
+	.ci/environment $(COLCON) '$(PYTHON)' -- $(COLCON_PACKAGES)
 	@touch $@
 
 $(FLOOR)/installed: Makefile setup.py .ci/environment

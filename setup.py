@@ -45,12 +45,22 @@ EXTRAS = {
 }
 
 
-def shared_files(folder: str, pattern: str = '*') -> list[tuple[str, list[str]]]:
-    """Return the files below `folder`, grouped as setuptools wants them: by their target."""
+def shared_files(folder: str, source: str = '') -> list[tuple[str, list[str]]]:
+    """Return the data files that copy `source` to `folder` of the package's ament share.
+
+    Args:
+        folder: the folder below `share/lsc_pose_ros`.
+        source: the folder in the repository; empty: the same as `folder`.
+
+    Returns:
+        Pairs of a target folder and its files, as setuptools wants them.
+    """
+    root = Path(source or folder)
     groups: dict[str, list[str]] = {}
-    for path in sorted(Path(folder).rglob(pattern)):
+    for path in sorted(root.rglob('*')):
         if path.is_file() and path.suffix != '.pyc':
-            groups.setdefault(f'share/{PACKAGE}/{path.parent}', []).append(str(path))
+            target = Path('share', PACKAGE, folder, path.parent.relative_to(root))
+            groups.setdefault(target.as_posix(), []).append(path.as_posix())
     return list(groups.items())
 
 
@@ -69,10 +79,11 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{PACKAGE}']),
         (f'share/{PACKAGE}', ['package.xml']),
-        *shared_files('config'),
+        *shared_files('config', f'{PACKAGE}/resources/config'),
         *shared_files('launch'),
     ],
     package_data={
+        PACKAGE: ['py.typed'],
         f'{PACKAGE}.resources': ['bodies/*', 'config/*', 'config/*/*', 'models/*'],
     },
     install_requires=REQUIREMENTS,

@@ -1,21 +1,15 @@
-"""What the package declares and what it installs."""
+"""What the package declares to pip, rosdep and ROS agrees with its sources."""
 
 import ast
 import configparser
-import importlib.metadata
 import re
-import shutil
-import subprocess
 import sys
 import xml.etree.ElementTree as ET
-import zipfile
 from pathlib import Path
-
-import pytest
 
 import lsc_pose_ros
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 # What may be imported, besides the standard library: the name in setup.py (None: only ROS has
 # it) and the rosdep key in package.xml.
@@ -68,41 +62,6 @@ def text_of(element: ET.Element, name: str) -> str:
     return (element.findtext(name) or '').strip()
 
 
-def find_version(distribution: str) -> tuple[int, ...]:
-    """Return the installed version's numbers; none where it is not installed."""
-    try:
-        version = importlib.metadata.version(distribution)
-    except importlib.metadata.PackageNotFoundError:
-        return ()
-    return tuple(int(number) for number in re.findall(r'\d+', version)[:2])
-
-
-@pytest.fixture(scope='module')
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> zipfile.ZipFile:
-    """Return the wheel that pip makes; made from a copy, so that no build/ is left behind."""
-    installed = {name: find_version(name) for name in ('pip', 'setuptools', 'wheel')}
-    if not installed['pip'] or installed['setuptools'] < (64,):
-        pytest.skip('pip and setuptools 64 or newer are not both installed')
-    if installed['setuptools'] < (70, 1) and not installed['wheel']:
-        pytest.skip('setuptools before 70.1 makes wheels only with the package wheel')
-    source = tmp_path_factory.mktemp('source')
-    for name in ('lsc_pose_ros', 'resource', 'config', 'launch', 'bodies', 'models'):
-        if (ROOT / name).is_dir():
-            ignore = shutil.ignore_patterns('__pycache__')
-            shutil.copytree(ROOT / name, source / name, ignore=ignore)
-    for name in ('setup.py', 'setup.cfg', 'pyproject.toml', 'package.xml', 'README.md', 'LICENSE'):
-        shutil.copy(ROOT / name, source)
-    target = tmp_path_factory.mktemp('wheel')
-    options = ['--quiet', '--no-deps', '--no-build-isolation', '--no-index', '--wheel-dir']
-    subprocess.run(
-        [sys.executable, '-m', 'pip', 'wheel', *options, str(target), str(source)],
-        check=True,
-        timeout=300,
-    )
-    (path,) = target.glob('*.whl')
-    return zipfile.ZipFile(path)
-
-
 def test_the_version_is_the_same_everywhere() -> None:
     setup = re.search(r"version='([^']+)'", (ROOT / 'setup.py').read_text(encoding='utf-8'))
     assert setup is not None
@@ -137,40 +96,6 @@ def test_nothing_is_declared_that_is_not_imported() -> None:
     used = {DEPENDENCIES[module][1] for module in imported_modules()}
     declared = {text_of(depend, '.') for depend in package_xml().iter('exec_depend')}
     assert declared == used
-
-
-def test_the_wheel_holds_every_module(wheel: zipfile.ZipFile) -> None:
-    modules = {str(path.relative_to(ROOT)) for path in (ROOT / 'lsc_pose_ros').rglob('*.py')}
-    assert modules == {
-        name for name in wheel.namelist() if re.match(r'lsc_pose_ros/.*\.py$', name)
-    }
-
-
-def test_the_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile) -> None:
-    expected = {'share/ament_index/resource_index/packages/lsc_pose_ros'}
-    expected.add('share/lsc_pose_ros/package.xml')
-    for folder in ('config', 'launch'):
-        expected |= {
-            f'share/lsc_pose_ros/{path.relative_to(ROOT)}'
-            for path in (ROOT / folder).rglob('*')
-            if path.is_file() and path.suffix != '.pyc'
-        }
-    data = f'lsc_pose_ros-{lsc_pose_ros.__version__}.data/data/'
-    assert expected == {
-        name.removeprefix(data)
-        for name in wheel.namelist()
-        if name.startswith(data) and not name.endswith('/')
-    }
-
-
-def test_the_wheel_gives_both_executables(wheel: zipfile.ZipFile) -> None:
-    folder = f'lsc_pose_ros-{lsc_pose_ros.__version__}.dist-info'
-    scripts = configparser.ConfigParser()
-    scripts.read_string(wheel.read(f'{folder}/entry_points.txt').decode())
-    assert set(scripts['console_scripts']) == {'lsc_pose', 'pose_node'}
-    for target in scripts['console_scripts'].values():
-        module, _, function = target.partition(':')
-        assert callable(getattr(importlib.import_module(module), function))
 
 
 def test_links_between_the_documents_lead_somewhere() -> None:

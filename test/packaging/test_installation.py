@@ -1,0 +1,104 @@
+"""Each way to install the package: afterwards it finds its model, body and configuration."""
+
+import shutil
+import sys
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from installed_program import ESTIMATE, check_installation, run
+
+MakeEnvironment = Callable[[Path], Path]
+
+
+def install(python: Path, options: list[str], *words: object, **variables: str) -> None:
+    """Install with the pip that the environment of `python` sees."""
+    # The package is installed again even if the system's Python already has it.
+    pip = [python, '-m', 'pip', 'install', *options, '--ignore-installed']
+    run(*pip, *words, cwd=python.parent, **variables)
+
+
+def assert_complete(report: dict[str, Any], folder: Path) -> None:
+    """Check that the package was imported from below `folder` and found its files."""
+    assert Path(report['package']).is_relative_to(folder)
+    assert report['joints'] == 20
+    assert report['body'] > 1000
+    assert report['parameters'] == ['/**']
+
+
+def test_from_the_sources(
+    source: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
+) -> None:
+    python = make_environment(tmp_path / 'environment')
+    install(python, pip_options, source)
+    assert_complete(check_installation(python, cwd=tmp_path), tmp_path / 'environment')
+    version = run(python.with_name('lsc_pose'), '--version', cwd=tmp_path)
+    assert version.startswith('lsc_pose ')
+    assert (tmp_path / 'environment/share/lsc_pose_ros/config/pose_node.yaml').is_file()
+
+
+def test_editable(
+    source: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
+) -> None:
+    python = make_environment(tmp_path / 'environment')
+    install(python, pip_options, '--editable', source)
+    assert_complete(check_installation(python, cwd=tmp_path), source)
+    assert run(python.with_name('lsc_pose'), '--version', cwd=tmp_path)
+
+
+def test_a_wheel_estimates_a_frame(
+    wheel_file: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
+) -> None:
+    python = make_environment(tmp_path / 'environment')
+    install(python, pip_options, wheel_file)
+    assert_complete(check_installation(python, cwd=tmp_path), tmp_path / 'environment')
+    # Interpreted kernels: a small frame takes less time than the compiler would.
+    found = run(python, '-c', ESTIMATE, cwd=tmp_path, NUMBA_DISABLE_JIT='1')
+    assert found.split('\n')[0] == '(1, 20, 3) True'
+
+
+def test_below_a_prefix(
+    wheel_file: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
+) -> None:
+    python = make_environment(tmp_path / 'environment')
+    prefix = tmp_path / 'prefix'
+    install(python, pip_options, '--prefix', prefix, wheel_file)
+    (packages,) = prefix.glob('l*/python*/*-packages')
+    report = check_installation(python, cwd=tmp_path, PYTHONPATH=str(packages))
+    assert_complete(report, prefix)
+    assert (prefix / 'bin/lsc_pose').is_file()
+    assert (prefix / 'share/lsc_pose_ros/config/pose_node.yaml').is_file()
+
+
+def test_for_one_user(
+    wheel_file: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
+) -> None:
+    python = make_environment(tmp_path / 'environment')
+    home = {'PYTHONUSERBASE': str(tmp_path / 'home')}
+    install(python, pip_options, '--user', wheel_file, **home)
+    assert_complete(check_installation(python, cwd=tmp_path, **home), tmp_path / 'home')
+
+
+def test_into_a_folder(
+    wheel_file: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
+) -> None:
+    python = make_environment(tmp_path / 'environment')
+    target = tmp_path / 'target'
+    install(python, pip_options, '--target', target, wheel_file)
+    report = check_installation(python, cwd=tmp_path, PYTHONPATH=str(target))
+    assert_complete(report, target)
+
+
+def test_a_source_archive_gives_the_same_wheel(
+    source: Path, wheel: zipfile.ZipFile, pip_options: list[str], tmp_path: Path
+) -> None:
+    build = f'from setuptools import build_meta; build_meta.build_sdist({str(tmp_path)!r})'
+    run(sys.executable, '-c', build, cwd=source)
+    (archive,) = tmp_path.glob('*.tar.gz')
+    shutil.unpack_archive(archive, tmp_path)
+    unpacked = archive.with_name(archive.name.removesuffix('.tar.gz'))
+    pip = [sys.executable, '-m', 'pip', 'wheel', *pip_options]
+    run(*pip, '--wheel-dir', tmp_path, unpacked, cwd=tmp_path)
+    (again,) = tmp_path.glob('*.whl')
+    assert sorted(zipfile.ZipFile(again).namelist()) == sorted(wheel.namelist())
