@@ -1,4 +1,4 @@
-"""README's tables say what the node declares."""
+"""The tables of the documentation match what the node declares."""
 
 import re
 from pathlib import Path
@@ -9,6 +9,7 @@ import yaml
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
+from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.node.parameters import (
     ALWAYS,
     DECLARATIONS,
@@ -19,33 +20,29 @@ from lsc_pose_ros.ros.node.parameters import (
 
 ROOT = Path(__file__).resolve().parents[2]
 
-# README's words for when a parameter may be set.
+# The table's words for when a parameter may be set.
 CHANGES = {'any time': ALWAYS, 'unconfigured': UNCONFIGURED, 'start': NEVER}
 
 
-def section(title: str) -> str:
-    """The text below a heading, up to the next one."""
-    readme = (ROOT / 'README.md').read_text(encoding='utf-8')
-    found = re.search(rf'^### {title}\n(.*?)^##', readme, re.MULTILINE | re.DOTALL)
-    assert found is not None, title
-    return found.group(1)
+def text_of(page: str) -> str:
+    return (ROOT / 'docs' / f'{page}.md').read_text(encoding='utf-8')
 
 
-def rows(title: str) -> list[list[str]]:
-    """The cells of the rows of a section's tables."""
-    lines = [line for line in section(title).splitlines() if line.startswith('|')]
+def rows(page: str) -> list[list[str]]:
+    """The cells of the rows of a page's tables."""
+    lines = [line for line in text_of(page).splitlines() if line.startswith('|')]
     return [[cell.strip() for cell in line.strip('|').split('|')] for line in lines]
 
 
 def parameter_rows() -> dict[str, list[str]]:
-    table = {cells[0].strip('`'): cells[1:] for cells in rows('Parameters')}
+    table = {cells[0].strip('`'): cells[1:] for cells in rows('parameters')}
     return {
         name: cells for name, cells in table.items() if name.strip('-') and name != 'parameter'
     }
 
 
 def described(declaration: Declaration) -> str:
-    """What README's column of values says."""
+    """What the column of values says."""
     if declaration.choices:
         return ', '.join(f'`{choice}`' for choice in declaration.choices)
     if declaration.lowest is not None:
@@ -53,12 +50,12 @@ def described(declaration: Declaration) -> str:
     return 'path' if isinstance(declaration.default, str) else ''
 
 
-def test_readme_has_every_parameter() -> None:
+def test_every_parameter_is_documented() -> None:
     assert sorted(parameter_rows()) == sorted(DECLARATIONS)
 
 
 @pytest.mark.parametrize('name', DECLARATIONS)
-def test_readme_describes_the_parameter_as_it_is_declared(name: str) -> None:
+def test_parameter_is_documented_as_it_is_declared(name: str) -> None:
     default, values, change, meaning = parameter_rows()[name]
     declaration = DECLARATIONS[name]
     value = yaml.safe_load(default.strip('`'))
@@ -68,16 +65,20 @@ def test_readme_describes_the_parameter_as_it_is_declared(name: str) -> None:
     assert meaning
 
 
-def test_readme_numbers_the_joints() -> None:
-    named = re.findall(r'(\d+) `(\w+)`', section('Joints'))
+def test_joints_are_documented_with_their_numbers() -> None:
+    named = re.findall(r'(\d+) `(\w+)`', text_of('joints'))
     assert {name: int(number) for number, name in named} == JOINT_NUMBERS
 
 
-def test_readme_names_the_topics_and_the_cameras() -> None:
-    topics = {cells[0].strip('`') for cells in rows('Topics')}
+def test_topics_are_documented() -> None:
+    topics = {cells[0].strip('`') for cells in rows('live')}
     assert topics >= {
         'depth/image', 'depth/camera_info', 'mask',
         '~/skeletons', '~/joint_markers', '/tf', '/diagnostics',
     }  # fmt: skip
-    cameras = set(re.findall(r'^\| \[`(\w+)`\]', section('Cameras'), re.MULTILINE))
-    assert cameras == {path.stem for path in (ROOT / 'config' / 'cameras').iterdir()}
+
+
+def test_camera_presets_are_documented() -> None:
+    cameras = set(re.findall(r'^\| \[`(\w+)`\]', text_of('cameras'), re.MULTILINE))
+    presets = resource('config', 'cameras')
+    assert cameras == {path.stem for path in presets.iterdir()}

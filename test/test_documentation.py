@@ -1,0 +1,107 @@
+"""The documents: their links, the size of the README, and the options that they name."""
+
+import argparse
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from lsc_pose_ros.cli.main import COMMANDS, load
+
+ROOT = Path(__file__).parents[1]
+DOCS = sorted((ROOT / 'docs').glob('*.md'))
+DOCUMENTS = [
+    *sorted(ROOT.glob('*.md')),
+    *DOCS,
+    ROOT / 'models' / 'README.md',
+    ROOT / 'benchmarks' / 'README.md',
+    ROOT / 'lsc_pose_ros' / 'resources' / 'bodies' / 'README.md',
+]
+
+# Options of other programs that the documents name.
+OTHER_OPTIONS = {
+    '--break-system-packages',
+    '--clock',
+    '--draw',
+    '--from-paths',
+    '--ignore-src',
+    '--memory',
+    '--no-deps',
+    '--packages-select',
+    '--params-file',
+    '--rate',
+    '--real',
+    '--ros-args',
+    '--seconds',
+    '--share',
+    '--show-args',
+    '--size',
+    '--skip-keys',
+    '--symlink-install',
+    '--user',
+}
+
+
+def name_of(document: Path) -> str:
+    return str(document.relative_to(ROOT))
+
+
+def text_of(document: Path) -> str:
+    return document.read_text(encoding='utf-8')
+
+
+@cache
+def anchors_of(document: Path) -> set[str]:
+    """Return the anchors of the headings in a document, as GitHub forms them."""
+    prose = re.sub(r'^```.*?^```', '', text_of(document), flags=re.MULTILINE | re.DOTALL)
+    headings = re.findall(r'^#+ (.+)$', prose, re.MULTILINE)
+    plain = [re.sub(r'\[([^]]*)\]\([^)]*\)', r'\1', heading).lower() for heading in headings]
+    return {re.sub(r'[^\w\- ]', '', heading.strip()).replace(' ', '-') for heading in plain}
+
+
+def links_of(document: Path) -> list[str]:
+    return re.findall(r'\]\(([^)\s]+)\)', text_of(document))
+
+
+def options_of_the_commands() -> set[str]:
+    """Return the options of all commands of `lsc_pose`."""
+    options = {'--help', '--version'}
+    for command in COMMANDS.values():
+        parser = argparse.ArgumentParser()
+        load(command).add_arguments(parser)
+        parsers = [parser]
+        while parsers:
+            for action in parsers.pop()._actions:
+                options |= set(action.option_strings)
+                if isinstance(action, argparse._SubParsersAction):
+                    parsers.extend(action.choices.values())
+    return options
+
+
+def test_readme_has_at_most_150_lines() -> None:
+    assert len(text_of(ROOT / 'README.md').splitlines()) <= 150
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_links_lead_somewhere(document: Path) -> None:
+    for link in links_of(document):
+        if '://' in link:
+            continue
+        path, _, anchor = link.partition('#')
+        target = (document.parent / path).resolve() if path else document
+        assert target.exists(), link
+        if anchor and target.suffix == '.md':
+            assert anchor in anchors_of(target), link
+
+
+def test_the_index_lists_every_page() -> None:
+    index = ROOT / 'docs' / 'README.md'
+    listed = {(index.parent / link).resolve() for link in links_of(index)}
+    assert {page.resolve() for page in DOCS if page != index} <= listed
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_options_that_are_named_exist(document: Path) -> None:
+    named = set(re.findall(r'(?<![\w-])--[a-z][a-z-]+', text_of(document)))
+    assert named - options_of_the_commands() - OTHER_OPTIONS == set()
