@@ -96,11 +96,3 @@ def test_nothing_is_declared_that_is_not_imported() -> None:
     used = {DEPENDENCIES[module][1] for module in imported_modules()}
     declared = {text_of(depend, '.') for depend in package_xml().iter('exec_depend')}
     assert declared == used
-
-
-def test_links_between_the_documents_lead_somewhere() -> None:
-    documents = [*ROOT.glob('*.md'), *ROOT.glob('docs/**/*.md')]
-    assert documents
-    for document in documents:
-        for link in re.findall(r'\]\(([^)#\s]+)', document.read_text(encoding='utf-8')):
-            assert '://' in link or (document.parent / link).exists(), f'{document}: {link}'
