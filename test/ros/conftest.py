@@ -4,14 +4,14 @@ import importlib.util
 
 if importlib.util.find_spec('rclpy') is not None:
     from live_ros import (  # noqa: F401
-        acquaintances,
-        begin_node,
+        active_node,
         camera,
-        corner,
-        ear,
-        meeting,
+        estimates,
         probe,
-        remote,
-        start,
+        ros_environment,
+        services,
+        shared_node,
+        spawn_node,
         start_node,
+        start_program,
     )

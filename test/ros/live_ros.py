@@ -1,4 +1,4 @@
-"""What the tests of the live node share: a corner of the network, the node, a camera, an ear."""
+"""Helpers of the live tests: an isolated ROS environment, the node, a camera, a subscriber."""
 
 import os
 import signal
@@ -68,7 +68,7 @@ def generate(folder: Path, **settings: object) -> list[Frame]:
 
 
 class Program:
-    """A program of ours in a process of its own, and what it has printed so far."""
+    """A Python program in its own process, and the output that it has printed so far."""
 
     def __init__(self, words: list[str], log: Path, environment: Mapping[str, str]) -> None:
         self._log = log
@@ -90,12 +90,12 @@ class Program:
     def output(self) -> str:
         return self._log.read_text()[self._forgotten :]
 
-    def forget(self) -> None:
-        """Leave out of the output what is there."""
+    def clear(self) -> None:
+        """Hide the output that has been printed so far."""
         self._forgotten = len(self._log.read_text())
 
-    def says(self, text: str, seconds: float = TIMEOUT) -> bool:
-        """Wait for `text` in the output; return whether it came."""
+    def prints(self, text: str, seconds: float = TIMEOUT) -> bool:
+        """Wait for `text` in the output; return whether it was printed."""
         return wait_until(
             lambda: text in self.output or self._process.poll() is not None, seconds
         ) and (text in self.output)
@@ -103,8 +103,8 @@ class Program:
     def interrupt(self) -> None:
         self._process.send_signal(signal.SIGINT)
 
-    def ends(self, number: signal.Signals | None = None, seconds: float = TIMEOUT) -> int:
-        """Send a signal, if one is given, and return the status with which the program ends."""
+    def exit_status(self, number: signal.Signals | None = None, seconds: float = TIMEOUT) -> int:
+        """Send a signal, if one is given, wait for the exit, and return the exit status."""
         if number is not None:
             self._process.send_signal(number)
         return self._process.wait(seconds)
@@ -120,7 +120,7 @@ class Program:
 
 
 class Camera:
-    """Publishes frames as a camera driver and a segmentation do."""
+    """Publishes frames as a camera driver and a segmentation node do."""
 
     def __init__(self, node: Node, depth_topic: str = 'depth/image') -> None:
         self.depth = node.create_publisher(Image, depth_topic, 10)
@@ -133,7 +133,7 @@ class Camera:
         time.sleep(0.3)
 
     @property
-    def is_alone(self) -> bool:
+    def is_unmatched(self) -> bool:
         publishers = (self.depth, self.camera_info, self.mask)
         return not any(each.get_subscription_count() for each in publishers)
 
@@ -150,20 +150,20 @@ class Camera:
         self.mask.publish(mask_message(frame.stamp, frame.frame_id, frame.labels))
 
 
-class Ear:
-    """What the node has answered."""
+class PublishedEstimates:
+    """Collects the skeletons and markers that the node publishes."""
 
     def __init__(self, listener: Listener) -> None:
         self._listener = listener
 
-    def forget(self) -> None:
+    def clear(self) -> None:
         self._listener.received.clear()
 
     def wait_for_node(self) -> None:
         assert self._listener.wait_for_publishers(TIMEOUT)
 
     @property
-    def is_alone(self) -> bool:
+    def is_unmatched(self) -> bool:
         return not self._listener.has_publishers
 
     def of(self, topic: str) -> list[bytes]:
@@ -184,12 +184,12 @@ class Ear:
 
     @property
     def skeletons(self) -> dict[int, Skeletons]:
-        """The answers by their stamp."""
+        """The skeletons by their stamp."""
         return dict(read_skeletons(data) for data in self.of(SKELETONS))
 
 
-class Remote:
-    """The node's services, called from another process as the tools of ROS do."""
+class NodeServices:
+    """Calls the node's services from another process, as the ros2 command line does."""
 
     def __init__(self, node: Node, name: str = '/pose_node') -> None:
         self._node = node
@@ -202,13 +202,13 @@ class Remote:
         return self._call(GetState, 'get_state', GetState.Request()).current_state.label
 
     def change(self, transition: str) -> bool:
-        """Ask for a transition, as `ros2 lifecycle set` does; return whether it was made."""
+        """Request a transition, as `ros2 lifecycle set` does; return whether it succeeded."""
         request = ChangeState.Request()
         request.transition.label = transition
         return self._call(ChangeState, 'change_state', request).success
 
     def ask_to_change(self, transition: str) -> None:
-        """Ask for a transition without waiting for it."""
+        """Request a transition without waiting for it."""
         request = ChangeState.Request()
         request.transition.label = transition
         self._client(ChangeState, 'change_state').call_async(request)
@@ -223,7 +223,7 @@ class Remote:
         return {each.transition.label for each in answer.available_transitions}
 
     def set(self, name: str, value: object) -> str:
-        """Set a parameter; return why it was refused, or an empty text."""
+        """Set a parameter; return the reason of a refusal, or an empty string."""
         message = Parameter(name, value=value).to_parameter_msg()
         request = SetParameters.Request(parameters=[message])
         (result,) = self._call(SetParameters, 'set_parameters', request).results
@@ -231,7 +231,7 @@ class Remote:
         return result.reason
 
     def get(self, name: str) -> object:
-        """Return a parameter's value; None where there is no such parameter."""
+        """Return a parameter's value, None if there is no such parameter."""
         request = GetParameters.Request(names=[name])
         values = self._call(GetParameters, 'get_parameters', request).values
         return parameter_value_to_python(values[0]) if values else None
@@ -249,7 +249,7 @@ class Remote:
         return future.result()
 
     def spin(self, seconds: float) -> None:
-        """Let the probe receive for a while."""
+        """Let the probe receive messages for some seconds."""
         self._executor.add_node(self._node)
         self._executor.spin_once(seconds)
         self._executor.remove_node(self._node)
@@ -263,28 +263,28 @@ class Remote:
         return client
 
 
-class Meeting(NamedTuple):
-    """A node, a camera and an ear that have found each other."""
+class NodeUnderTest(NamedTuple):
+    """A node, and the camera, subscriber and services that are connected to it."""
 
     node: Program
     camera: Camera
-    ear: Ear
-    remote: Remote
+    estimates: PublishedEstimates
+    services: NodeServices
 
 
 @pytest.fixture(scope='session', autouse=True)
-def corner() -> dict[str, str]:
-    """The environment of this test run's ROS programs, this one's too."""
+def ros_environment() -> dict[str, str]:
+    """The isolated environment of all ROS programs of this test run, this process included."""
     environment = isolated_environment()
     os.environ.update(environment)
-    # Our programs find the package where this one has found it.
+    # The programs import the same package as this process.
     paths = [str(Path(lsc_pose_ros.__file__).parents[1]), os.environ.get('PYTHONPATH', '')]
     return environment | {'PYTHONPATH': os.pathsep.join(filter(None, paths))}
 
 
 @pytest.fixture
 def probe() -> Iterator[Node]:
-    """A node of the test's own."""
+    """A node in the test's own process."""
     with _probe() as node:
         yield node
 
@@ -300,8 +300,8 @@ def _probe() -> Iterator[Node]:
 
 
 @pytest.fixture
-def remote(probe: Node) -> Remote:
-    return Remote(probe)
+def services(probe: Node) -> NodeServices:
+    return NodeServices(probe)
 
 
 @pytest.fixture
@@ -310,19 +310,21 @@ def camera(probe: Node) -> Camera:
 
 
 @pytest.fixture
-def ear() -> Iterator[Ear]:
+def estimates() -> Iterator[PublishedEstimates]:
     with open_listener(ANSWERS) as listener:
-        yield Ear(listener)
+        yield PublishedEstimates(listener)
 
 
 @pytest.fixture
-def start(corner: dict[str, str], tmp_path: Path) -> Iterator[Callable[..., Program]]:
-    """Start Python programs: `start('-m', 'module', ...)`; they end with the test."""
+def start_program(
+    ros_environment: dict[str, str], tmp_path: Path
+) -> Iterator[Callable[..., Program]]:
+    """Start Python programs: `start_program('-m', 'module', ...)`; they end with the test."""
     programs: list[Program] = []
 
     def begin(*words: object, **environment: str) -> Program:
         log = tmp_path / f'program{len(programs)}.log'
-        programs.append(Program([str(word) for word in words], log, corner | environment))
+        programs.append(Program([str(word) for word in words], log, ros_environment | environment))
         return programs[-1]
 
     yield begin
@@ -331,17 +333,19 @@ def start(corner: dict[str, str], tmp_path: Path) -> Iterator[Callable[..., Prog
 
 
 @pytest.fixture(scope='module')
-def acquaintances(
-    corner: dict[str, str], small_model_file: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Meeting]:
-    """A node with default parameters, inactive, for the tests of a module that do not end it.
+def shared_node(
+    ros_environment: dict[str, str],
+    small_model_file: Path,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> Iterator[NodeUnderTest]:
+    """An inactive node with default parameters, shared by the tests of a module.
 
-    It takes programs of ROS seconds to find each other. These have a domain of their own, so that
-    the module's other tests do not meet them.
+    Discovery takes ROS programs seconds. The node has its own domain, so that it does not
+    interfere with the module's other tests. A test must not end the node.
     """
-    with _probe():  # the domain that all others use is in use
-        environment = corner | {'ROS_DOMAIN_ID': isolated_environment()['ROS_DOMAIN_ID']}
-    assert environment['ROS_DOMAIN_ID'] != corner['ROS_DOMAIN_ID']
+    with _probe():  # occupies the domain of the other tests
+        environment = ros_environment | {'ROS_DOMAIN_ID': isolated_environment()['ROS_DOMAIN_ID']}
+    assert environment['ROS_DOMAIN_ID'] != ros_environment['ROS_DOMAIN_ID']
     words = ['--ros-args', '-p', f'model:={small_model_file}', '-p', 'autostart:=false']
     log = tmp_path_factory.mktemp('shared') / 'node.log'
     with ExitStack() as stack:
@@ -351,47 +355,51 @@ def acquaintances(
             listener = stack.enter_context(open_listener(ANSWERS))
         program = Program(['-m', 'lsc_pose_ros.ros.node.main', *words], log, environment)
         try:
-            meeting = Meeting(program, Camera(node), Ear(listener), Remote(node))
-            assert meeting.remote.change('configure'), program.output
-            yield meeting
+            active_node = NodeUnderTest(
+                program, Camera(node), PublishedEstimates(listener), NodeServices(node)
+            )
+            assert active_node.services.change('configure'), program.output
+            yield active_node
         finally:
             program.kill()
 
 
 @pytest.fixture
-def meeting(acquaintances: Meeting) -> Iterator[Meeting]:
-    """The node that the module shares, activated for this test: nothing of before is left."""
-    node, camera, ear, remote = acquaintances
-    ear.forget()
-    node.forget()
-    assert remote.change('activate'), node.output
-    assert node.says('ready'), node.output
+def active_node(shared_node: NodeUnderTest) -> Iterator[NodeUnderTest]:
+    """The shared node, activated for this test, with cleared output."""
+    node, camera, estimates, services = shared_node
+    estimates.clear()
+    node.clear()
+    assert services.change('activate'), node.output
+    assert node.prints('ready'), node.output
     camera.wait_for_node()
-    ear.wait_for_node()
-    yield acquaintances
-    assert remote.change('deactivate'), node.output
-    assert wait_until(lambda: camera.is_alone and ear.is_alone)
+    estimates.wait_for_node()
+    yield shared_node
+    assert services.change('deactivate'), node.output
+    assert wait_until(lambda: camera.is_unmatched and estimates.is_unmatched)
 
 
 @pytest.fixture
-def begin_node(start: Callable[..., Program], small_model_file: Path) -> Callable[..., Program]:
-    """Start the node with parameters."""
+def spawn_node(
+    start_program: Callable[..., Program], small_model_file: Path
+) -> Callable[..., Program]:
+    """Start the node with parameters, without waiting for it."""
 
     def begin(**parameters: object) -> Program:
         values = {'model': small_model_file, **parameters}
         words = [word for name, value in values.items() for word in ('-p', f'{name}:={value}')]
-        return start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words)
+        return start_program('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words)
 
     return begin
 
 
 @pytest.fixture
-def start_node(begin_node: Callable[..., Program]) -> Callable[..., Program]:
+def start_node(spawn_node: Callable[..., Program]) -> Callable[..., Program]:
     """Start the node with parameters, and wait until it is ready."""
 
     def begin(**parameters: object) -> Program:
-        node = begin_node(**parameters)
-        assert node.says('ready'), node.output
+        node = spawn_node(**parameters)
+        assert node.prints('ready'), node.output
         return node
 
     return begin

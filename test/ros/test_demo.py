@@ -121,14 +121,16 @@ def poses(recording: Path) -> Iterator[tuple[np.ndarray, np.ndarray]]:
             yield np.median(points, axis=0), joints
 
 
-def test_whole_demonstration_in_small(start: Callable[..., Program], tmp_path: Path) -> None:
+def test_whole_demonstration_in_small(
+    start_program: Callable[..., Program], tmp_path: Path
+) -> None:
     code = (
         'import sys, lsc_pose_ros.demo as demo\n'
         'demo.TRAINING_FRAMES, demo.TEST_FRAMES = 300, 20\n'
         f'sys.exit(demo.main(["--directory", {str(tmp_path / "demo")!r}]))'
     )
-    program = start('-c', code)
-    program.ends(seconds=200)
+    program = start_program('-c', code)
+    program.exit_status(seconds=200)
     assert re.search(r'answered (19|20) of 20 frames over ROS 2', program.output), program.output
     folder = tmp_path / 'demo'
     rows = re.findall(

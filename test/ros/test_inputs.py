@@ -75,12 +75,12 @@ def is_reliable(probe: Node, topic: str, *, wanted: bool) -> bool:
 
 
 @pytest.fixture
-def listen(start: Callable[..., Program]) -> Callable[..., Program]:
+def listen(start_program: Callable[..., Program]) -> Callable[..., Program]:
     """Start the program with parameters, and wait until it listens."""
 
     def begin(*words: str) -> Program:
-        program = start(PROGRAM, *words)
-        assert program.says('listening to'), program.output
+        program = start_program(PROGRAM, *words)
+        assert program.prints('listening to'), program.output
         return program
 
     return begin
@@ -95,7 +95,7 @@ class Senders:
         self.mask = probe.create_publisher(Image, 'mask', qos) if mask else None
         self.all = list(filter(None, (self.depth, self.info, self.mask)))
 
-    def meet(self) -> None:
+    def wait_for_connections(self) -> None:
         assert wait_until(lambda: all(each.get_subscription_count() for each in self.all), 20)
         time.sleep(0.3)
         self.info.publish(CameraInfo())
@@ -107,7 +107,7 @@ def test_subscription_is_as_the_publishers_are(
 ) -> None:
     program = listen()
     senders = Senders(probe, qos)
-    senders.meet()
+    senders.wait_for_connections()
     for topic in ('/depth/image', '/depth/camera_info', '/mask'):
         assert is_reliable(probe, topic, wanted=reliable), topic
     for number in range(5):
@@ -125,22 +125,22 @@ def test_subscription_follows_when_the_publishers_change(
 ) -> None:
     program = listen('segmentation=nearest')
     reliable = Senders(probe, mask=False)
-    reliable.meet()
+    reliable.wait_for_connections()
     assert is_reliable(probe, '/depth/image', wanted=True)
     other = probe.create_publisher(Image, 'depth/image', qos_profile_sensor_data)
     assert is_reliable(probe, '/depth/image', wanted=False)
     assert wait_until(other.get_subscription_count)
     time.sleep(0.3)
     other.publish(image(START))
-    assert program.says(f'pair {START} None', 10), program.output
+    assert program.prints(f'pair {START} None', 10), program.output
     reliable.depth.publish(image(START + FRAME))
-    assert program.says(f'pair {START + FRAME} None', 10), program.output
+    assert program.prints(f'pair {START + FRAME} None', 10), program.output
     probe.destroy_publisher(other)
     assert is_reliable(probe, '/depth/image', wanted=True)
     assert wait_until(reliable.depth.get_subscription_count)
     time.sleep(0.3)
     reliable.depth.publish(image(START + 2 * FRAME))
-    assert program.says(f'pair {START + 2 * FRAME} None', 10), program.output
+    assert program.prints(f'pair {START + 2 * FRAME} None', 10), program.output
     assert 'incompatible' not in program.output
 
 
@@ -154,7 +154,7 @@ def test_camera_info_that_was_published_once_before_is_received(
     assert wait_until(depth.get_subscription_count)
     time.sleep(0.3)
     depth.publish(image(START))
-    assert program.says(f'pair {START} None', 10), program.output
+    assert program.prints(f'pair {START} None', 10), program.output
 
 
 @pytest.mark.parametrize('reliability', ['reliable', 'best_effort'])
@@ -171,7 +171,7 @@ def test_incompatible_publisher_is_named_with_the_remedy(
 ) -> None:
     program = listen('reliability=reliable')
     probe.create_publisher(Image, 'mask', qos_profile_sensor_data)
-    assert program.says('/mask: a publisher offers an incompatible RELIABILITY', 10)
+    assert program.prints('/mask: a publisher offers an incompatible RELIABILITY', 10)
     assert 'set the parameter reliability to auto' in program.output
 
 
@@ -183,7 +183,7 @@ def test_publisher_of_another_type_is_named_with_the_remedy(
 ) -> None:
     program = listen()
     probe.create_publisher(CompressedImage, topic, 10)
-    assert program.says(f'/{topic}: a publisher sends sensor_msgs/msg/CompressedImage', 10)
+    assert program.prints(f'/{topic}: a publisher sends sensor_msgs/msg/CompressedImage', 10)
     assert f'set the parameter {parameter}' in program.output
     time.sleep(1)
     assert program.output.count('a publisher sends') == 1
@@ -192,9 +192,9 @@ def test_publisher_of_another_type_is_named_with_the_remedy(
 def test_silence_is_told_topic_by_topic(listen: Callable[..., Program], probe: Node) -> None:
     program = listen()
     probe.create_publisher(Image, 'depth/image', 10)
-    assert program.says('nothing received on /depth/image for 1 s (', 10)
-    assert program.says('nothing received on /mask for 1 s (no publishers)', 10)
-    assert program.says('no camera info received on /depth/camera_info (no publishers)', 10)
+    assert program.prints('nothing received on /depth/image for 1 s (', 10)
+    assert program.prints('nothing received on /mask for 1 s (no publishers)', 10)
+    assert program.prints('no camera info received on /depth/camera_info (no publishers)', 10)
     assert '[WARN]' in program.output
 
 
@@ -221,7 +221,7 @@ def test_compressed_images_come_beside_their_remapped_topics(
     depth.publish(stamped(CompressedImage(format=form, data=array.array('B', data)), START))
     png = array.array('B', write_png(np.ones((3, 4), np.uint8)))
     mask.publish(stamped(CompressedImage(format='mono8; png compressed', data=png), START))
-    assert program.says(f'pair {START} {START}', 10), program.output
+    assert program.prints(f'pair {START} {START}', 10), program.output
 
 
 def test_late_double_and_disordered_images_are_counted_and_told(
@@ -229,7 +229,7 @@ def test_late_double_and_disordered_images_are_counted_and_told(
 ) -> None:
     program = listen()
     senders = Senders(probe)
-    senders.meet()
+    senders.wait_for_connections()
     stamps = [START + number * FRAME for number in range(12)]
     for stamp in stamps:
         senders.depth.publish(image(stamp))
@@ -252,19 +252,19 @@ def test_late_double_and_disordered_images_are_counted_and_told(
         late=6,
         out_of_order=6,
     )
-    assert program.says('came after newer ones; let one publisher send each topic', 10)
+    assert program.prints('came after newer ones; let one publisher send each topic', 10)
 
 
 def test_near_stamps_pair_within_the_slop(listen: Callable[..., Program], probe: Node) -> None:
     program = listen('sync_slop=0.005')
     senders = Senders(probe)
-    senders.meet()
+    senders.wait_for_connections()
     for number in range(3):
         senders.depth.publish(image(START + number * FRAME))
         senders.mask.publish(image(START + number * FRAME + 4_000_000, 'mono8'))
     senders.mask.publish(image(START + 3 * FRAME + 6_000_000, 'mono8'))
     senders.depth.publish(image(START + 3 * FRAME))
-    assert program.says(f'pair {START + 2 * FRAME} ', 10), program.output
+    assert program.prints(f'pair {START + 2 * FRAME} ', 10), program.output
     time.sleep(0.5)
     assert pairs_of(program) == [
         (START + number * FRAME, START + number * FRAME + 4_000_000) for number in range(3)
@@ -276,21 +276,21 @@ def test_missing_images_are_told_with_the_profile(
 ) -> None:
     program = listen('segmentation=background')
     senders = Senders(probe, qos_profile_sensor_data, mask=False)
-    senders.meet()
+    senders.wait_for_connections()
     random = np.random.default_rng(0)
     for number in np.flatnonzero(random.random(400) < 0.5):
         senders.depth.publish(image(START + int(number) * FRAME))
         time.sleep(0.01)
-    assert program.says('by the stamps of /depth/image', 10), program.output
+    assert program.prints('by the stamps of /depth/image', 10), program.output
     assert 'FASTRTPS_DEFAULT_PROFILES_FILE=/share/fastdds_profile.xml' in program.output
     assert wait_until(lambda: counters_of(program).missing > 100, 5)
 
 
 def test_closing_ends_at_once_and_quietly(listen: Callable[..., Program], probe: Node) -> None:
     program = listen()
-    Senders(probe).meet()
+    Senders(probe).wait_for_connections()
     begin = time.monotonic()
-    assert program.ends(signal.SIGTERM, 10) == 0
+    assert program.exit_status(signal.SIGTERM, 10) == 0
     assert time.monotonic() - begin < 2
     assert 'closed' in program.output
     assert 'Traceback' not in program.output

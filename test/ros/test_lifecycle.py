@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Camera, Ear, Program, Remote, generate, wait_until
+from live_ros import Camera, NodeServices, Program, PublishedEstimates, generate, wait_until
 from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 
@@ -85,14 +85,16 @@ def frames(tmp_path_factory: pytest.TempPathFactory) -> list[Frame]:
 
 
 @pytest.fixture
-def begin_in(begin_node: Callable[..., Program], remote: Remote) -> Callable[[str], Program]:
+def start_in_state(
+    spawn_node: Callable[..., Program], services: NodeServices
+) -> Callable[[str], Program]:
     """Start the node without autostart and bring it into a state."""
 
     def begin(state: str) -> Program:
-        node = begin_node(autostart='false')
+        node = spawn_node(autostart='false')
         for transition in WAY_TO[state]:
-            assert remote.change(transition), node.output
-        assert remote.state == state
+            assert services.change(transition), node.output
+        assert services.state == state
         return node
 
     return begin
@@ -109,156 +111,158 @@ def publishes_nothing(probe: Node) -> bool:
 
 
 def test_autostart_makes_the_node_active(
-    start_node: Callable[..., Program], remote: Remote, small_model_file: Path
+    start_node: Callable[..., Program], services: NodeServices, small_model_file: Path
 ) -> None:
     start_node()
-    assert remote.state == 'active'
-    assert remote.get('autostart') is True
-    assert remote.get('model') == str(small_model_file)
+    assert services.state == 'active'
+    assert services.get('autostart') is True
+    assert services.get('model') == str(small_model_file)
 
 
 def test_without_autostart_the_node_waits_to_be_told(
-    begin_in: Callable[[str], Program], remote: Remote, camera: Camera, probe: Node
+    start_in_state: Callable[[str], Program], services: NodeServices, camera: Camera, probe: Node
 ) -> None:
-    node = begin_in('unconfigured')
-    assert remote.transitions == {'configure', 'shutdown'}
-    assert remote.get('joint_names') is None
+    node = start_in_state('unconfigured')
+    assert services.transitions == {'configure', 'shutdown'}
+    assert services.get('joint_names') is None
     time.sleep(1)
     assert hears_nothing(camera)
     assert publishes_nothing(probe)
-    assert remote.state == 'unconfigured'
+    assert services.state == 'unconfigured'
     assert 'kernels' not in node.output
 
 
 def test_there_and_back_again(
-    begin_in: Callable[[str], Program],
-    remote: Remote,
+    start_in_state: Callable[[str], Program],
+    services: NodeServices,
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     probe: Node,
     frames: list[Frame],
 ) -> None:
-    node = begin_in('unconfigured')
-    assert remote.change('configure')
-    assert remote.state == 'inactive'
+    node = start_in_state('unconfigured')
+    assert services.change('configure')
+    assert services.state == 'inactive'
     assert 'kernels ready' in node.output
     assert 'ready: listening' not in node.output
     time.sleep(1)
     assert hears_nothing(camera)
     assert publishes_nothing(probe)
 
-    assert remote.change('activate')
-    assert remote.state == 'active'
-    assert node.says('ready: listening to /depth/image, /depth/camera_info, /mask', 5)
-    meet(camera, ear)
+    assert services.change('activate')
+    assert services.state == 'active'
+    assert node.prints('ready: listening to /depth/image, /depth/camera_info, /mask', 5)
+    wait_for_connections(camera, estimates)
     camera.send(frames[0])
-    assert ear.wait_for(1, 10), node.output
+    assert estimates.wait_for(1, 10), node.output
 
-    assert remote.change('deactivate')
-    assert remote.state == 'inactive'
+    assert services.change('deactivate')
+    assert services.state == 'inactive'
     assert wait_until(lambda: hears_nothing(camera) and publishes_nothing(probe), 10)
     camera.send(frames[1])
     time.sleep(1)
-    assert list(ear.skeletons) == [frames[0].stamp]
+    assert list(estimates.skeletons) == [frames[0].stamp]
 
-    assert remote.change('activate')
-    meet(camera, ear)
+    assert services.change('activate')
+    wait_for_connections(camera, estimates)
     camera.send(frames[2])
-    assert ear.wait_for(2, 10), node.output
-    assert list(ear.skeletons) == [frames[0].stamp, frames[2].stamp]
+    assert estimates.wait_for(2, 10), node.output
+    assert list(estimates.skeletons) == [frames[0].stamp, frames[2].stamp]
 
-    assert remote.change('deactivate')
-    assert remote.change('cleanup')
-    assert remote.state == 'unconfigured'
-    assert remote.get('joint_names') is None
+    assert services.change('deactivate')
+    assert services.change('cleanup')
+    assert services.state == 'unconfigured'
+    assert services.get('joint_names') is None
 
-    assert remote.change('configure')
-    assert remote.change('activate')
-    meet(camera, ear)
+    assert services.change('configure')
+    assert services.change('activate')
+    wait_for_connections(camera, estimates)
     camera.send(frames[3])
-    assert ear.wait_for(3, 10), node.output
-    assert remote.change('shutdown')
-    assert remote.state == 'finalized'
+    assert estimates.wait_for(3, 10), node.output
+    assert services.change('shutdown')
+    assert services.state == 'finalized'
     assert wait_until(lambda: hears_nothing(camera) and publishes_nothing(probe), 10)
     assert 'ERROR' not in node.output
     assert 'Traceback' not in node.output
 
 
-def meet(camera: Camera, ear: Ear) -> None:
+def wait_for_connections(camera: Camera, estimates: PublishedEstimates) -> None:
     camera.wait_for_node()
-    ear.wait_for_node()
+    estimates.wait_for_node()
 
 
 def test_joint_names_are_the_model_s_while_the_node_is_configured(
-    begin_in: Callable[[str], Program], remote: Remote, small_model_file: Path
+    start_in_state: Callable[[str], Program], services: NodeServices, small_model_file: Path
 ) -> None:
-    begin_in('inactive')
+    start_in_state('inactive')
     expected = ['head', 'neck', 'l_shoulder', 'l_elbow', 'l_hip', 'l_knee', 'r_shoulder', 'r_hip']
     assert len(load_model(small_model_file).joints) == len(expected)
-    assert remote.get('joint_names') == expected
-    assert 'read-only' in remote.set('joint_names', ['head'])
-    (described,) = remote.describe('joint_names')
+    assert services.get('joint_names') == expected
+    assert 'read-only' in services.set('joint_names', ['head'])
+    (described,) = services.describe('joint_names')
     assert described.read_only
     assert described.description
 
 
 @pytest.mark.parametrize('state', ['inactive', 'active'])
 def test_shutdown_from_any_state(
-    begin_in: Callable[[str], Program], remote: Remote, state: str
+    start_in_state: Callable[[str], Program], services: NodeServices, state: str
 ) -> None:
-    node = begin_in(state)
-    assert remote.change('shutdown')
-    assert remote.state == 'finalized'
-    assert remote.transitions == set()
-    assert remote.get('joint_names') is None
-    assert node.ends(signal.SIGINT) == 0
+    node = start_in_state(state)
+    assert services.change('shutdown')
+    assert services.state == 'finalized'
+    assert services.transitions == set()
+    assert services.get('joint_names') is None
+    assert node.exit_status(signal.SIGINT) == 0
     assert 'Traceback' not in node.output
 
 
 def test_transition_that_does_not_exist_is_refused(
-    begin_in: Callable[[str], Program], remote: Remote
+    start_in_state: Callable[[str], Program], services: NodeServices
 ) -> None:
-    begin_in('unconfigured')
-    assert not remote.change('deactivate')
-    assert not remote.change('fly')
-    assert remote.state == 'unconfigured'
+    start_in_state('unconfigured')
+    assert not services.change('deactivate')
+    assert not services.change('fly')
+    assert services.state == 'unconfigured'
 
 
 def test_model_that_is_missing_fails_to_configure_and_can_be_mended(
-    begin_node: Callable[..., Program], remote: Remote, small_model_file: Path
+    spawn_node: Callable[..., Program], services: NodeServices, small_model_file: Path
 ) -> None:
-    node = begin_node(autostart='false', model='/nowhere/model.npz')
-    assert not remote.change('configure')
-    assert remote.state == 'unconfigured'
-    assert node.says('/nowhere/model.npz', 5)
+    node = spawn_node(autostart='false', model='/nowhere/model.npz')
+    assert not services.change('configure')
+    assert services.state == 'unconfigured'
+    assert node.prints('/nowhere/model.npz', 5)
     assert node.output.count('[ERROR]') == 1
     assert 'Traceback' not in node.output
-    assert not remote.set('model', str(small_model_file))
-    assert remote.change('configure')
-    assert remote.state == 'inactive'
+    assert not services.set('model', str(small_model_file))
+    assert services.change('configure')
+    assert services.state == 'inactive'
 
 
 def test_transition_that_breaks_down_is_told_and_can_be_tried_anew(
-    start: Callable[..., Program], remote: Remote, small_model_file: Path
+    start_program: Callable[..., Program], services: NodeServices, small_model_file: Path
 ) -> None:
     words = ('-p', f'model:={small_model_file}', '-p', 'autostart:=false')
-    node = start('-c', BROKEN_ONCE, '--ros-args', *words)
-    assert not remote.change('configure')
-    assert remote.state == 'unconfigured'
-    assert node.says('ZeroDivisionError: once', 5)
-    assert remote.change('configure')
-    assert remote.state == 'inactive'
+    node = start_program('-c', BROKEN_ONCE, '--ros-args', *words)
+    assert not services.change('configure')
+    assert services.state == 'unconfigured'
+    assert node.prints('ZeroDivisionError: once', 5)
+    assert services.change('configure')
+    assert services.state == 'inactive'
 
 
-def test_cleanup_releases_the_model(start: Callable[..., Program], small_model_file: Path) -> None:
-    program = start('-c', RELEASED, '--ros-args', '-p', f'model:={small_model_file}')
-    assert program.ends(seconds=60) == 0
+def test_cleanup_releases_the_model(
+    start_program: Callable[..., Program], small_model_file: Path
+) -> None:
+    program = start_program('-c', RELEASED, '--ros-args', '-p', f'model:={small_model_file}')
+    assert program.exit_status(seconds=60) == 0
     assert 'released' in program.output
 
 
 def ends_in_time(node: Program, number: signal.Signals) -> None:
     begin = time.monotonic()
-    assert node.ends(number) == 0, node.output
+    assert node.exit_status(number) == 0, node.output
     assert time.monotonic() - begin < MOST_UNTIL_ENDED
     assert 'Traceback' not in node.output
     assert 'ERROR' not in node.output
@@ -266,20 +270,23 @@ def ends_in_time(node: Program, number: signal.Signals) -> None:
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_signal_ends_the_node_in_each_state(
-    start: Callable[..., Program], probe: Node, small_model_file: Path, number: signal.Signals
+    start_program: Callable[..., Program],
+    probe: Node,
+    small_model_file: Path,
+    number: signal.Signals,
 ) -> None:
     words = ('-p', f'model:={small_model_file}', '-p', 'autostart:=false')
     nodes = {
-        state: start(
+        state: start_program(
             *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words, '-r', f'__ns:=/{state}')
         )
         for state in WAY_TO
     }
     for state, transitions in WAY_TO.items():
-        remote = Remote(probe, f'/{state}/pose_node')
+        services = NodeServices(probe, f'/{state}/pose_node')
         for transition in transitions:
-            assert remote.change(transition), nodes[state].output
-        assert remote.state == state
+            assert services.change(transition), nodes[state].output
+        assert services.state == state
     for node in nodes.values():
         ends_in_time(node, number)
 
@@ -289,20 +296,20 @@ def test_signal_ends_the_node_in_each_state(
     [('true', signal.SIGINT), ('true', signal.SIGTERM), ('false', signal.SIGTERM)],
 )
 def test_signal_ends_the_node_while_it_compiles(
-    start: Callable[..., Program],
-    remote: Remote,
+    start_program: Callable[..., Program],
+    services: NodeServices,
     small_model_file: Path,
     tmp_path: Path,
     autostart: str,
     number: signal.Signals,
 ) -> None:
     words = ('-p', f'model:={small_model_file}', '-p', f'autostart:={autostart}')
-    node = start(
+    node = start_program(
         *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words), NUMBA_CACHE_DIR=str(tmp_path)
     )
     if autostart == 'false':
-        remote.ask_to_change('configure')
-    assert node.says('compiling the kernels'), node.output
+        services.ask_to_change('configure')
+    assert node.prints('compiling the kernels'), node.output
     time.sleep(1)
     assert 'kernels ready' not in node.output
     ends_in_time(node, number)
@@ -310,15 +317,15 @@ def test_signal_ends_the_node_while_it_compiles(
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
 def test_signal_ends_the_node_while_its_libraries_are_loaded(
-    start: Callable[..., Program], number: signal.Signals
+    start_program: Callable[..., Program], number: signal.Signals
 ) -> None:
-    node = start('-c', LOADING)
-    assert node.says('loading')
+    node = start_program('-c', LOADING)
+    assert node.prints('loading')
     ends_in_time(node, number)
 
 
-def test_impatient_user(begin_in: Callable[[str], Program]) -> None:
-    node = begin_in('active')
+def test_impatient_user(start_in_state: Callable[[str], Program]) -> None:
+    node = start_in_state('active')
     node.interrupt()
     node.interrupt()
     ends_in_time(node, signal.SIGINT)
@@ -326,19 +333,19 @@ def test_impatient_user(begin_in: Callable[[str], Program]) -> None:
 
 def test_time_of_a_simulation(
     start_node: Callable[..., Program],
-    remote: Remote,
+    services: NodeServices,
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     probe: Node,
     frames: list[Frame],
 ) -> None:
     diagnostic_msgs = pytest.importorskip('diagnostic_msgs.msg')
     node = start_node(use_sim_time='true')
-    assert remote.get('use_sim_time') is True
-    meet(camera, ear)
+    assert services.get('use_sim_time') is True
+    wait_for_connections(camera, estimates)
     camera.send(frames[0])
-    assert ear.wait_for(1, 10), node.output  # although no clock ticks yet
-    assert list(ear.skeletons) == [frames[0].stamp]
+    assert estimates.wait_for(1, 10), node.output  # although no clock ticks yet
+    assert list(estimates.skeletons) == [frames[0].stamp]
 
     clock = probe.create_publisher(Clock, '/clock', 10)
     stamps: list[int] = []
@@ -353,7 +360,7 @@ def test_time_of_a_simulation(
 
     def ticks() -> bool:
         clock.publish(time_message)
-        remote.spin(0.1)
+        services.spin(0.1)
         return 1234 in stamps
 
     assert wait_until(ticks, 20), (stamps, node.output)

@@ -14,11 +14,11 @@ pytest.importorskip('diagnostic_msgs')
 PROGRAM = Path(__file__).parents[2] / 'benchmarks' / 'live.py'
 
 
-def live(corner, *words):
+def live(ros_environment, *words):
     """Run the benchmark; return how it ends."""
     return subprocess.run(
         [sys.executable, str(PROGRAM), *map(str, words)],
-        env=os.environ | corner,
+        env=os.environ | ros_environment,
         capture_output=True,
         text=True,
         timeout=120,
@@ -26,10 +26,10 @@ def live(corner, *words):
     )
 
 
-def test_what_is_measured_can_be_true(corner, small_model_file, tmp_path):
+def test_what_is_measured_can_be_true(ros_environment, small_model_file, tmp_path):
     path = tmp_path / 'live.json'
     words = ['--size', '160x120', '--rate', 20, '--seconds', 3, '--settle', 1]
-    ended = live(corner, *words, '--model', small_model_file, '--json', path)
+    ended = live(ros_environment, *words, '--model', small_model_file, '--json', path)
     assert ended.returncode == 0, ended.stderr
     assert '| 160x120 at 20 Hz, 3 s |' in ended.stdout
     results = json.loads(path.read_text())
@@ -54,8 +54,8 @@ def test_what_is_measured_can_be_true(corner, small_model_file, tmp_path):
     assert 4 < run['joints_an_answer'] <= 8
 
 
-def test_a_model_that_is_none_is_told_of_in_one_line(corner, tmp_path):
-    ended = live(corner, '--seconds', 1, '--model', tmp_path / 'none.npz')
+def test_a_model_that_is_none_is_told_of_in_one_line(ros_environment, tmp_path):
+    ended = live(ros_environment, '--seconds', 1, '--model', tmp_path / 'none.npz')
     assert ended.returncode == 2
     (complaint,) = (line for line in ended.stderr.splitlines() if 'error' in line)
     assert 'none.npz' in complaint

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Camera, Ear, Program
+from live_ros import Camera, Program, PublishedEstimates
 
 from lsc_pose_ros.estimation.warm_up import warm_up
 from lsc_pose_ros.model_io.model_file import load_model
@@ -43,7 +43,10 @@ sys.exit(main())
 
 
 def test_first_frame_is_answered_within_two_seconds(
-    start: Callable[..., Program], camera: Camera, ear: Ear, small_model_file: Path
+    start_program: Callable[..., Program],
+    camera: Camera,
+    estimates: PublishedEstimates,
+    small_model_file: Path,
 ) -> None:
     if cache_directory() is None:
         pytest.skip('no folder can be written, so the kernels are kept nowhere')
@@ -51,14 +54,14 @@ def test_first_frame_is_answered_within_two_seconds(
     frame = next(synthetic_frames(SyntheticSettings(frames=1, seed=9)))
     model = f'model:={small_model_file}'
     begin = time.monotonic()
-    node = start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', model)
-    assert node.says('ready: listening'), node.output
+    node = start_program('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', model)
+    assert node.prints('ready: listening'), node.output
     ready = time.monotonic()
-    ear.wait_for_node()
+    estimates.wait_for_node()
     camera.wait_for_node()
     sent = time.monotonic()
     camera.send(frame)
-    assert ear.wait_for(1), node.output
+    assert estimates.wait_for(1), node.output
     answered = time.monotonic()
     assert answered - sent < MOST_FOR_FIRST_FRAME, node.output
     assert ready - begin < MOST_UNTIL_READY, node.output
@@ -69,10 +72,10 @@ def test_first_frame_is_answered_within_two_seconds(
 
 
 def test_node_that_is_told_to_end_while_it_compiles_does_so_quietly(
-    start: Callable[..., Program], small_model_file: Path
+    start_program: Callable[..., Program], small_model_file: Path
 ) -> None:
-    node = start('-c', SLOW_START, '--ros-args', '-p', f'model:={small_model_file}')
-    assert node.says('compiling'), node.output
-    assert node.ends(signal.SIGTERM) == 0, node.output
+    node = start_program('-c', SLOW_START, '--ros-args', '-p', f'model:={small_model_file}')
+    assert node.prints('compiling'), node.output
+    assert node.exit_status(signal.SIGTERM) == 0, node.output
     assert 'Traceback' not in node.output
     assert 'ready: listening' not in node.output

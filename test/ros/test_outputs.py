@@ -30,8 +30,8 @@ TOPICS = {
 }
 
 
-class Heard:
-    """What a listener has heard of one topic."""
+class Received:
+    """What a listener has received of one topic."""
 
     def __init__(self, listener: Listener) -> None:
         self._listener = listener
@@ -43,18 +43,20 @@ class Heard:
         return wait_until(lambda: len(self.of(topic)) >= count)
 
 
-Run = Callable[..., AbstractContextManager[tuple[Program, Heard]]]
+Run = Callable[..., AbstractContextManager[tuple[Program, Received]]]
 
 
 @pytest.fixture
-def begin(start: Callable[..., Program], corner: dict[str, str]) -> Callable[..., Program]:
+def begin(
+    start_program: Callable[..., Program], ros_environment: dict[str, str]
+) -> Callable[..., Program]:
     """Start the program with options; packages in a folder take precedence."""
 
-    def start_program(packages: Path | None = None, **options: Any) -> Program:
-        path = os.pathsep.join(filter(None, (str(packages or ''), corner['PYTHONPATH'])))
-        return start(PROGRAM, json.dumps({'topics': [], **options}), PYTHONPATH=path)
+    def begin_program(packages: Path | None = None, **options: Any) -> Program:
+        path = os.pathsep.join(filter(None, (str(packages or ''), ros_environment['PYTHONPATH'])))
+        return start_program(PROGRAM, json.dumps({'topics': [], **options}), PYTHONPATH=path)
 
-    return start_program
+    return begin_program
 
 
 @pytest.fixture
@@ -65,8 +67,8 @@ def run(begin: Callable[..., Program]) -> Run:
     def running(topics: dict[str, str], packages: Path | None = None, **options: Any):
         with open_listener(topics) as listener:
             program = begin(packages, topics=list(topics), **options)
-            assert program.says('open'), program.output
-            yield program, Heard(listener)
+            assert program.prints('open'), program.output
+            yield program, Received(listener)
 
     return running
 
@@ -82,17 +84,17 @@ def test_skeletons_and_markers_until_closed(run: Run, probe: Node) -> None:
     scenes = [[1, 2], [2], [], [7]]
     with run(TOPICS, scenes=scenes, marker_lifetime=1.5, minimum_confidence=0.5, closes=True) as (
         program,
-        heard,
+        received,
     ):
-        assert heard.wait_for(MARKERS, len(scenes))
-        assert heard.wait_for(SKELETONS, len(scenes))
-        assert program.says('closed')
+        assert received.wait_for(MARKERS, len(scenes))
+        assert received.wait_for(SKELETONS, len(scenes))
+        assert program.prints('closed')
         assert wait_until(
             lambda: not any(probe.count_publishers(each) for each in (*TOPICS, DIAGNOSTICS))
         )
-    answers = [read_skeletons(each) for each in heard.of(SKELETONS)]
+    answers = [read_skeletons(each) for each in received.of(SKELETONS)]
     assert [each.skeletons.bodies.tolist() for each in answers] == scenes
-    messages = [deserialize_message(each, MarkerArray).markers for each in heard.of(MARKERS)]
+    messages = [deserialize_message(each, MarkerArray).markers for each in received.of(MARKERS)]
     told = [{(each.id, each.action) for each in markers} for markers in messages]
     assert told == [
         {(1, Marker.ADD), (2, Marker.ADD)},
@@ -108,7 +110,7 @@ def test_skeletons_and_markers_until_closed(run: Run, probe: Node) -> None:
 
 def test_transforms_need_tf2_msgs(begin: Callable[..., Program], tmp_path: Path) -> None:
     program = begin(missing('tf2_msgs', tmp_path), publish_tf=True, scenes=[])
-    assert program.ends() == 2
+    assert program.exit_status() == 2
     assert 'parameter publish_tf' in program.output
     assert 'tf2_msgs' in program.output
     assert 'Traceback' not in program.output
@@ -127,12 +129,14 @@ def test_transforms(run: Run, tmp_path: Path) -> None:
         publish_tf=True,
         minimum_confidence=0.5,
         scenes=[[3, 12], [], [12]],
-    ) as (_, heard):
-        assert heard.wait_for('/tf', 2)
-        assert heard.wait_for(SKELETONS, 3)
+    ) as (_, received):
+        assert received.wait_for('/tf', 2)
+        assert received.wait_for(SKELETONS, 3)
     store = get_typestore(Stores.ROS2_JAZZY)
-    messages = [store.deserialize_cdr(each, 'tf2_msgs/msg/TFMessage') for each in heard.of('/tf')]
-    stamps = [read_skeletons(each).stamp for each in heard.of(SKELETONS)]
+    messages = [
+        store.deserialize_cdr(each, 'tf2_msgs/msg/TFMessage') for each in received.of('/tf')
+    ]
+    stamps = [read_skeletons(each).stamp for each in received.of(SKELETONS)]
     assert len(messages) == 2
     for message, stamp, bodies in zip(
         messages, (stamps[0], stamps[2]), ((3, 12), (12,)), strict=True
@@ -157,12 +161,12 @@ def test_diagnostics(run: Run) -> None:
         scenes=[[1, 2]] * 70,
         latency=0.02,
         failures=3,
-    ) as (_, heard):
+    ) as (_, received):
 
         def statuses() -> list[Any]:
             arrays = [
                 deserialize_message(each, messages.DiagnosticArray)
-                for each in heard.of(DIAGNOSTICS)
+                for each in received.of(DIAGNOSTICS)
             ]
             assert all(len(array.status) == 1 for array in arrays)
             assert all(array.header.stamp.sec > 0 for array in arrays)
@@ -194,8 +198,8 @@ def test_diagnostics(run: Run) -> None:
 
 def test_without_diagnostic_msgs_the_rest_works(run: Run, tmp_path: Path) -> None:
     packages = missing('diagnostic_msgs', tmp_path)
-    with run(TOPICS, packages, scenes=[[1]], closes=True) as (program, heard):
-        assert heard.wait_for(SKELETONS, 1)
-        assert program.says('closed')
+    with run(TOPICS, packages, scenes=[[1]], closes=True) as (program, received):
+        assert received.wait_for(SKELETONS, 1)
+        assert program.prints('closed')
     assert program.output.count('diagnostic_msgs is not installed') == 1
     assert 'Traceback' not in program.output

@@ -11,7 +11,7 @@ import yaml
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Camera, Ear, Program, Remote, generate
+from live_ros import Camera, NodeServices, Program, PublishedEstimates, generate
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -108,10 +108,10 @@ def test_wrong_value_names_the_parameter_and_the_rule(
 
 
 def test_every_parameter_is_described_to_the_tools(
-    begin_node: Callable[..., Program], remote: Remote
+    spawn_node: Callable[..., Program], services: NodeServices
 ) -> None:
-    begin_node(autostart='false')
-    for name, described in zip(DECLARATIONS, remote.describe(*DECLARATIONS), strict=True):
+    spawn_node(autostart='false')
+    for name, described in zip(DECLARATIONS, services.describe(*DECLARATIONS), strict=True):
         declared = DECLARATIONS[name]
         assert described.name == name
         assert described.description == declared.meaning
@@ -176,37 +176,37 @@ def test_every_parameter_is_tried_here() -> None:
 
 
 def test_what_is_refused_and_what_is_taken_while_the_node_runs(
-    start_node: Callable[..., Program], remote: Remote, small_model_file: Path
+    start_node: Callable[..., Program], services: NodeServices, small_model_file: Path
 ) -> None:
     node = start_node()
     for name, value in GOOD_AT_ANY_TIME.items():
-        assert not remote.set(name, value), name
-        assert remote.get(name) == value
+        assert not services.set(name, value), name
+        assert services.get(name) == value
     for name, value, reason in BAD_AT_ANY_TIME:
-        assert reason in remote.set(name, value), name
-        assert remote.get(name) == GOOD_AT_ANY_TIME.get(name, remote.get(name))
+        assert reason in services.set(name, value), name
+        assert services.get(name) == GOOD_AT_ANY_TIME.get(name, services.get(name))
     most = load_model(small_model_file).settings.points
-    assert not remote.set('query_points', most)
-    assert f'from 10 to {most}' in remote.set('query_points', most + 1)
-    assert not remote.set('query_points', 0)
-    assert not remote.set('smoothing_beta', 1)  # what people type
-    assert remote.get('smoothing_beta') == 1.0
+    assert not services.set('query_points', most)
+    assert f'from 10 to {most}' in services.set('query_points', most + 1)
+    assert not services.set('query_points', 0)
+    assert not services.set('smoothing_beta', 1)  # what people type
+    assert services.get('smoothing_beta') == 1.0
     for name, value in WHILE_UNCONFIGURED.items():
-        before = remote.get(name)
-        refused = remote.set(name, value)
+        before = services.get(name)
+        refused = services.set(name, value)
         assert f'parameter {name}: it can be set only while the node is unconfigured' in refused
         assert 'clean up the node first' in refused
-        assert remote.get(name) == before, name
+        assert services.get(name) == before, name
     assert 'Traceback' not in node.output
 
 
 def test_what_is_refused_and_what_is_taken_while_the_node_is_unconfigured(
-    begin_node: Callable[..., Program], remote: Remote
+    spawn_node: Callable[..., Program], services: NodeServices
 ) -> None:
-    begin_node(autostart='false')
+    spawn_node(autostart='false')
     for name, value in {**WHILE_UNCONFIGURED, **GOOD_AT_ANY_TIME}.items():
-        assert not remote.set(name, value), name
-        assert remote.get(name) == value
+        assert not services.set(name, value), name
+        assert services.get(name) == value
     bad = [
         ('segmentation', 'guess', 'mask or background or nearest'),
         ('depth_transport', 'theora', 'raw or compressedDepth'),
@@ -218,23 +218,23 @@ def test_what_is_refused_and_what_is_taken_while_the_node_is_unconfigured(
         ('autostart', False, 'read-only'),
     ]
     for name, value, reason in bad:
-        before = remote.get(name)
-        assert reason in remote.set(name, value), name
-        assert remote.get(name) == before
+        before = services.get(name)
+        assert reason in services.set(name, value), name
+        assert services.get(name) == before
 
 
 def test_what_does_not_go_together_is_told_when_the_node_is_configured(
-    begin_node: Callable[..., Program], remote: Remote
+    spawn_node: Callable[..., Program], services: NodeServices
 ) -> None:
-    node = begin_node(autostart='false', segmentation='nearest', range_min='3.0', range_max='2.0')
-    assert not remote.change('configure')
-    assert node.says('range_min', 5)
-    assert not remote.set('range_max', 4.0)
-    assert not remote.set('query_points', 9999)  # no model is loaded yet that could say no
-    assert not remote.change('configure')
-    assert node.says('parameter query_points: 9999 cannot be used', 5)
-    assert not remote.set('query_points', 0)
-    assert remote.change('configure')
+    node = spawn_node(autostart='false', segmentation='nearest', range_min='3.0', range_max='2.0')
+    assert not services.change('configure')
+    assert node.prints('range_min', 5)
+    assert not services.set('range_max', 4.0)
+    assert not services.set('query_points', 9999)  # no model is loaded yet that could say no
+    assert not services.change('configure')
+    assert node.prints('parameter query_points: 9999 cannot be used', 5)
+    assert not services.set('query_points', 0)
+    assert services.change('configure')
     assert 'Traceback' not in node.output
 
 
@@ -246,16 +246,16 @@ def frames(tmp_path_factory: pytest.TempPathFactory) -> list[Frame]:
 class Conversation:
     """Frames are sent one by one, and each is answered before the next."""
 
-    def __init__(self, camera: Camera, ear: Ear) -> None:
-        self._camera, self._ear = camera, ear
+    def __init__(self, camera: Camera, estimates: PublishedEstimates) -> None:
+        self._camera, self._estimates = camera, estimates
         camera.wait_for_node()
-        ear.wait_for_node()
+        estimates.wait_for_node()
 
     def ask(self, frame: Frame) -> tuple[Skeletons, list[Marker]]:
-        self._ear.forget()
+        self._estimates.clear()
         self._camera.send(frame)
-        assert self._ear.wait_for(1, 10)
-        return self._ear.skeletons[frame.stamp], self._ear.markers[0].markers
+        assert self._estimates.wait_for(1, 10)
+        return self._estimates.skeletons[frame.stamp], self._estimates.markers[0].markers
 
 
 def assert_equal(found: Skeletons, expected: Skeletons) -> None:
@@ -265,14 +265,14 @@ def assert_equal(found: Skeletons, expected: Skeletons) -> None:
 
 def test_changes_take_effect_while_the_node_runs(
     start_node: Callable[..., Program],
-    remote: Remote,
+    services: NodeServices,
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
     small_model_file: Path,
 ) -> None:
     start_node()
-    talk = Conversation(camera, ear)
+    talk = Conversation(camera, estimates)
     model = load_model(small_model_file)
     fewer = model._replace(settings=model.settings._replace(query_points=20))
 
@@ -284,24 +284,24 @@ def test_changes_take_effect_while_the_node_runs(
     assert {each.action for each in markers} == {Marker.ADD}
     assert {each.lifetime.nanosec for each in markers} == {500_000_000}
 
-    assert not remote.set('query_points', 20)
+    assert not services.set('query_points', 20)
     skeletons, _ = talk.ask(frames[1])
     assert_equal(skeletons, plain(frames[1], fewer))
     assert not np.array_equal(skeletons.positions, plain(frames[1]).positions, equal_nan=True)
-    assert not remote.set('query_points', 0)
+    assert not services.set('query_points', 0)
     assert_equal(talk.ask(frames[2])[0], plain(frames[2]))
 
-    assert not remote.set('marker_lifetime', 3)
+    assert not services.set('marker_lifetime', 3)
     assert {each.lifetime.sec for each in talk.ask(frames[3])[1]} == {3}
-    assert not remote.set('minimum_confidence', 1.0)
+    assert not services.set('minimum_confidence', 1.0)
     skeletons, markers = talk.ask(frames[4])
     assert_equal(skeletons, plain(frames[4]))
     assert Marker.ADD not in {each.action for each in markers}
-    assert not remote.set('minimum_confidence', 0.0)
+    assert not services.set('minimum_confidence', 0.0)
 
-    assert not remote.set('smoothing', value=True)
-    assert not remote.set('smoothing_cutoff', 0.1)
-    assert not remote.set('smoothing_beta', 0.0)
+    assert not services.set('smoothing', value=True)
+    assert not services.set('smoothing_cutoff', 0.1)
+    assert not services.set('smoothing_beta', 0.0)
     smooth = Sequence(
         Estimator(model),
         SequenceSettings(smoothing=True, smoothing_cutoff=0.1, smoothing_beta=0.0),
@@ -310,20 +310,20 @@ def test_changes_take_effect_while_the_node_runs(
         expected = smooth.answer(frame.stamp, frame.depth, frame.labels, frame.camera)
         assert_equal(talk.ask(frame)[0], expected)
     assert not np.array_equal(expected.positions, plain(frame).positions, equal_nan=True)
-    assert not remote.set('smoothing', value=False)
+    assert not services.set('smoothing', value=False)
     assert_equal(talk.ask(frames[8])[0], plain(frames[8]))
 
 
 def test_sync_slop_takes_effect_while_the_node_runs(
     start_node: Callable[..., Program],
-    remote: Remote,
+    services: NodeServices,
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
 ) -> None:
     start_node()
     camera.wait_for_node()
-    ear.wait_for_node()
+    estimates.wait_for_node()
 
     def send_with_late_mask(frame: Frame) -> None:
         camera.send_depth(frame)
@@ -331,29 +331,29 @@ def test_sync_slop_takes_effect_while_the_node_runs(
 
     send_with_late_mask(frames[0])
     time.sleep(1)
-    assert not ear.skeletons
-    assert not remote.set('sync_slop', 0.01)
+    assert not estimates.skeletons
+    assert not services.set('sync_slop', 0.01)
     for frame in frames[1:4]:
         send_with_late_mask(frame)
         time.sleep(0.1)
-    assert ear.wait_for(2, 10)
-    assert {frames[1].stamp, frames[2].stamp} <= set(ear.skeletons)
+    assert estimates.wait_for(2, 10)
+    assert {frames[1].stamp, frames[2].stamp} <= set(estimates.skeletons)
 
 
 def test_parameters_of_an_unconfigured_node_take_effect_when_it_is_configured(
-    begin_node: Callable[..., Program],
-    remote: Remote,
+    spawn_node: Callable[..., Program],
+    services: NodeServices,
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
     small_model_file: Path,
 ) -> None:
-    begin_node(autostart='false', model='/nowhere/model.npz')
-    assert not remote.set('model', str(small_model_file))
-    assert not remote.set('graph', value=False)
-    assert remote.change('configure')
-    assert remote.change('activate')
-    talk = Conversation(camera, ear)
+    spawn_node(autostart='false', model='/nowhere/model.npz')
+    assert not services.set('model', str(small_model_file))
+    assert not services.set('graph', value=False)
+    assert services.change('configure')
+    assert services.change('activate')
+    talk = Conversation(camera, estimates)
     alone = Estimator(load_model(small_model_file), graph=False)
     expected = alone.estimate(frames[0].depth, frames[0].labels, frames[0].camera)
     assert_equal(talk.ask(frames[0])[0], expected)
@@ -368,10 +368,10 @@ def test_parameters_of_an_unconfigured_node_take_effect_when_it_is_configured(
     ],
 )
 def test_node_ends_with_2_and_one_line(
-    start: Callable[..., Program], words: list[str], complaint: str
+    start_program: Callable[..., Program], words: list[str], complaint: str
 ) -> None:
-    node = start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words)
-    assert node.ends() == 2
+    node = start_program('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words)
+    assert node.exit_status() == 2
     ours = [line for line in node.output.splitlines() if line.startswith('pose_node: error:')]
     assert len(ours) == 1
     assert complaint in ours[0]
@@ -379,12 +379,12 @@ def test_node_ends_with_2_and_one_line(
 
 
 def test_node_that_gets_another_file_as_model(
-    start: Callable[..., Program], tmp_path: Path
+    start_program: Callable[..., Program], tmp_path: Path
 ) -> None:
     path = tmp_path / 'not_a_model.npz'
     path.write_bytes(b'something else')
-    node = start('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={path}')
-    assert node.ends() == 2
+    node = start_program('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={path}')
+    assert node.exit_status() == 2
     assert str(path) in node.output
     assert 'Traceback' not in node.output
 
@@ -392,19 +392,19 @@ def test_node_that_gets_another_file_as_model(
 @pytest.mark.skipif(
     importlib.util.find_spec('tf2_msgs') is not None, reason='tf2_msgs is installed'
 )
-def test_transforms_without_their_package(begin_node: Callable[..., Program]) -> None:
-    node = begin_node(publish_tf='true')
-    assert node.ends() == 2
+def test_transforms_without_their_package(spawn_node: Callable[..., Program]) -> None:
+    node = spawn_node(publish_tf='true')
+    assert node.exit_status() == 2
     assert 'pose_node: error: parameter publish_tf: it needs the package tf2_msgs' in node.output
     assert 'Traceback' not in node.output
 
 
-def test_without_ros_the_node_says_how_to_get_it(start: Callable[..., Program]) -> None:
+def test_without_ros_the_node_says_how_to_get_it(start_program: Callable[..., Program]) -> None:
     code = (
         'import sys; sys.modules["rclpy"] = None\n'
         'from lsc_pose_ros.ros.node.main import main; sys.exit(main([]))'
     )
-    node = start('-c', code)
-    assert node.ends() == 2
+    node = start_program('-c', code)
+    assert node.exit_status() == 2
     assert 'pip install lsc_pose_ros[ros]' in node.output
     assert 'Traceback' not in node.output

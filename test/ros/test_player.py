@@ -32,9 +32,11 @@ TOPICS = {
 
 
 @pytest.fixture
-def play(start: Callable[..., Program], labelled_recording: Path) -> Callable[..., Program]:
+def play(
+    start_program: Callable[..., Program], labelled_recording: Path
+) -> Callable[..., Program]:
     def begin(*words: object, recording: Path = labelled_recording) -> Program:
-        return start('-m', 'lsc_pose_ros', 'replay', recording, '--publish', *words)
+        return start_program('-m', 'lsc_pose_ros', 'replay', recording, '--publish', *words)
 
     return begin
 
@@ -55,7 +57,7 @@ def test_every_message_arrives_as_it_was_recorded(
     recorded = list(read_messages(labelled_recording))
     with open_listener(TOPICS) as listener:
         player = play('--wait-for', 30)
-        assert player.ends() == 0, player.output
+        assert player.exit_status() == 0, player.output
         assert listener.wait_for_messages(len(recorded), 5)
     for topic in TOPICS:
         assert same(of(listener.received, topic), of(recorded, topic)), topic
@@ -68,7 +70,7 @@ def test_pace_is_that_of_the_recording_times_the_rate(
 ) -> None:
     recorded = [each for each in read_messages(labelled_recording) if each.topic == '/mask']
     with open_listener(TOPICS) as listener:
-        assert play('--wait-for', 30, '--rate', rate).ends(seconds=30) == 0
+        assert play('--wait-for', 30, '--rate', rate).exit_status(seconds=30) == 0
         times = [each.log_time for each in listener.received if each.topic == '/mask']
     seconds = (recorded[-1].log_time - recorded[0].log_time) * 1e-9 / rate
     assert (times[-1] - times[0]) * 1e-9 == pytest.approx(seconds, abs=0.2)
@@ -79,7 +81,7 @@ def test_clock_tells_the_recorded_time(
 ) -> None:
     recorded = [each.log_time for each in read_messages(labelled_recording)]
     with open_listener({'/clock': CLOCK, **TOPICS}) as listener:
-        assert play('--wait-for', 30, '--clock', '--rate', 0.2).ends() == 0
+        assert play('--wait-for', 30, '--clock', '--rate', 0.2).exit_status() == 0
         received = list(listener.received)
     clocks = [deserialize_message(data, Clock).clock for data in of(received, '/clock')]
     times = [clock.sec * 10**9 + clock.nanosec for clock in clocks]
@@ -91,7 +93,7 @@ def test_clock_tells_the_recorded_time(
 
 def test_without_clock_there_is_none(play: Callable[..., Program]) -> None:
     with open_listener({'/clock': CLOCK, **TOPICS}) as listener:
-        assert play('--wait-for', 30).ends() == 0
+        assert play('--wait-for', 30).exit_status() == 0
         assert of(listener.received, '/clock') == []
 
 
@@ -99,7 +101,7 @@ def test_topics_can_be_renamed(play: Callable[..., Program], labelled_recording:
     topics = {'/kinect/depth': IMAGE, '/depth/camera_info': CAMERA_INFO, '/mask': IMAGE}
     with open_listener(topics) as listener:
         words = ('--wait-for', 30, '--remap', '/depth/image:=/kinect/depth')
-        assert play(*words).ends() == 0
+        assert play(*words).exit_status() == 0
         assert listener.wait_for_messages(30, 5)
     recorded = list(read_messages(labelled_recording))
     assert same(of(listener.received, '/kinect/depth'), of(recorded, '/depth/image'))
@@ -112,7 +114,7 @@ def test_loop_goes_on_until_it_is_stopped(
     with open_listener({'/mask': IMAGE, '/depth/image': IMAGE}) as listener:
         player = play('--loop', '--rate', 5)
         assert listener.wait_for_messages(2 * 3 * count, 30)
-        assert player.ends(signal.SIGINT) == 130
+        assert player.exit_status(signal.SIGINT) == 130
         masks = of(listener.received, '/mask')
     assert masks[:count] == masks[count : 2 * count]
 
@@ -127,7 +129,7 @@ def test_signal_ends_the_player_at_once_and_quietly(
         player = play('--wait-for', 30, '--rate', 0.02)
         assert listener.wait_for_messages(1, 30)
         begin = time.monotonic()
-        assert player.ends(number) == status
+        assert player.exit_status(number) == status
     assert time.monotonic() - begin < 2
     assert 'Traceback' not in player.output
     assert 'error' not in player.output
@@ -135,14 +137,14 @@ def test_signal_ends_the_player_at_once_and_quietly(
 
 def test_nobody_who_listens(play: Callable[..., Program]) -> None:
     player = play('--wait-for', 0.5)
-    assert player.ends() == 2
+    assert player.exit_status() == 2
     assert 'no subscriber to /depth/image, /depth/camera_info, /mask' in player.output
     assert 'start pose_node first' in player.output
 
 
 def test_topic_that_is_not_there_cannot_be_renamed(play: Callable[..., Program]) -> None:
     player = play('--remap', '/nothing:=/something')
-    assert player.ends() == 2
+    assert player.exit_status() == 2
     assert 'no topic /nothing' in player.output
     assert '/depth/image' in player.output
 
@@ -159,7 +161,7 @@ def test_types_that_are_not_installed_are_left_out_with_a_warning(
             writer.write('/map', 'nav_msgs/msg/MapMetaData', frame.stamp, bytes(100))
     with open_listener(TOPICS) as listener:
         player = play('--wait-for', 30, recording=path)
-        assert player.ends() == 0, player.output
+        assert player.exit_status() == 0, player.output
         assert listener.wait_for_messages(4 * len(simple_frames), 5)
     # It is installed where a whole ROS is sourced.
     left_out = importlib.util.find_spec('nav_msgs') is None
@@ -186,13 +188,13 @@ def test_what_was_not_latched_is_not(offered: str) -> None:
 
 
 def test_without_ros_the_player_says_how_to_get_it(
-    start: Callable[..., Program], labelled_recording: Path
+    start_program: Callable[..., Program], labelled_recording: Path
 ) -> None:
     code = (
         'import sys; sys.modules["rclpy"] = None\n'
         'from lsc_pose_ros.cli.main import main\n'
         f'sys.exit(main(["replay", {str(labelled_recording)!r}, "--publish"]))'
     )
-    player = start('-c', code)
-    assert player.ends() == 2
+    player = start_program('-c', code)
+    assert player.exit_status() == 2
     assert 'pip install lsc_pose_ros[ros]' in player.output

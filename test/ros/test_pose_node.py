@@ -11,7 +11,15 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Camera, Ear, Meeting, Program, Remote, generate, wait_until
+from live_ros import (
+    Camera,
+    NodeServices,
+    NodeUnderTest,
+    Program,
+    PublishedEstimates,
+    generate,
+    wait_until,
+)
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CompressedImage, Image, PointField
@@ -65,45 +73,47 @@ def later(frames: list[Frame], seconds: int) -> list[Frame]:
     return [frame._replace(stamp=frame.stamp + seconds * 10**9) for frame in frames]
 
 
-def meet(camera: Camera, ear: Ear) -> None:
+def wait_for_connections(camera: Camera, estimates: PublishedEstimates) -> None:
     camera.wait_for_node()
-    ear.wait_for_node()
+    estimates.wait_for_node()
 
 
 def test_every_frame_is_answered_as_offline(
     start_node: Callable[..., Program],
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
     model: Model,
 ) -> None:
     node = start_node()
-    meet(camera, ear)
+    wait_for_connections(camera, estimates)
     for frame in frames:
         camera.send(frame)
         time.sleep(1 / 15)
-    assert ear.wait_for(len(frames), 10), node.output
+    assert estimates.wait_for(len(frames), 10), node.output
     expected = offline(model, frames)
-    found = ear.skeletons
+    found = estimates.skeletons
     assert list(found) == [frame.stamp for frame in frames]
     for stamp, skeletons in found.items():
         assert_equal(skeletons, expected[stamp])
     assert np.isfinite([each.positions for each in found.values()]).any()
-    assert {cloud.header.frame_id for cloud in ear.clouds} == {frames[0].frame_id}
-    assert node.ends(signal.SIGINT) == 0
+    assert {cloud.header.frame_id for cloud in estimates.clouds} == {frames[0].frame_id}
+    assert node.exit_status(signal.SIGINT) == 0
     assert 'WARN' not in node.output
     assert 'ERROR' not in node.output
 
 
-def test_messages_are_as_promised(meeting: Meeting, pairs: list[Frame], model: Model) -> None:
-    _, camera, ear, remote = meeting
-    assert not remote.set('marker_lifetime', 1.5)
+def test_messages_are_as_promised(
+    active_node: NodeUnderTest, pairs: list[Frame], model: Model
+) -> None:
+    _, camera, estimates, services = active_node
+    assert not services.set('marker_lifetime', 1.5)
     both, nobody = pairs[0], pairs[2]._replace(labels=np.full_like(pairs[0].labels, NO_BODY))
     only_second = pairs[1]._replace(labels=np.where(pairs[1].labels == 2, 2, NO_BODY))
     for count, frame in enumerate((both, only_second, nobody), 1):
         camera.send(frame)
-        assert ear.wait_for(count)
-    first, second, third = ear.clouds
+        assert estimates.wait_for(count)
+    first, second, third = estimates.clouds
     joints = len(model.joints)
     assert [(f.name, f.offset, f.datatype, f.count) for f in first.fields] == [
         ('x', 0, PointField.FLOAT32, 1),
@@ -120,7 +130,7 @@ def test_messages_are_as_promised(meeting: Meeting, pairs: list[Frame], model: M
     assert (third.height, third.width, len(third.data)) == (0, joints, 0)
     assert third.header.stamp.sec * 10**9 + third.header.stamp.nanosec == nobody.stamp
 
-    drawn, less, none = (message.markers for message in ear.markers)
+    drawn, less, none = (message.markers for message in estimates.markers)
     kinds = {(each.id, each.type, each.action) for each in drawn}
     assert kinds == {
         (body, kind, Marker.ADD)
@@ -138,25 +148,25 @@ def test_messages_are_as_promised(meeting: Meeting, pairs: list[Frame], model: M
 
 
 def test_person_who_is_hardly_seen_is_nan_without_markers(
-    meeting: Meeting, frames: list[Frame]
+    active_node: NodeUnderTest, frames: list[Frame]
 ) -> None:
-    _, camera, ear, _ = meeting
+    _, camera, estimates, _ = active_node
     labels = np.full_like(frames[0].labels, NO_BODY)
     labels[50:53, 70:73] = 4
     camera.send(frames[0]._replace(labels=labels))
-    assert ear.wait_for(1)
-    (skeletons,) = ear.skeletons.values()
+    assert estimates.wait_for(1)
+    (skeletons,) = estimates.skeletons.values()
     assert skeletons.bodies.tolist() == [4]
     assert np.isnan(skeletons.positions).all()
     assert (skeletons.confidence == 0).all()
-    assert not ear.clouds[0].is_dense
-    assert {each.action for each in ear.markers[0].markers} == {Marker.DELETE}
+    assert not estimates.clouds[0].is_dense
+    assert {each.action for each in estimates.markers[0].markers} == {Marker.DELETE}
 
 
 def test_mask_slower_and_later_than_depth(
-    meeting: Meeting, frames: list[Frame], model: Model
+    active_node: NodeUnderTest, frames: list[Frame], model: Model
 ) -> None:
-    _, camera, ear, _ = meeting
+    _, camera, estimates, _ = active_node
     delay = 6
     masked = frames[: len(frames) - delay : 3]
     for number, frame in enumerate(frames):
@@ -164,34 +174,34 @@ def test_mask_slower_and_later_than_depth(
         if number >= delay and number % 3 == 0:
             camera.send_mask(frames[number - delay])
         time.sleep(1 / 30)
-    assert ear.wait_for(len(masked), 10)
+    assert estimates.wait_for(len(masked), 10)
     expected = offline(model, masked)
-    assert list(ear.skeletons) == list(expected)
-    for stamp, skeletons in ear.skeletons.items():
+    assert list(estimates.skeletons) == list(expected)
+    for stamp, skeletons in estimates.skeletons.items():
         assert_equal(skeletons, expected[stamp])
 
 
 def test_bad_messages_are_named_and_the_next_frame_is_answered(
-    meeting: Meeting, frames: list[Frame]
+    active_node: NodeUnderTest, frames: list[Frame]
 ) -> None:
-    node, camera, ear, _ = meeting
+    node, camera, estimates, _ = active_node
     good = frames[0]
 
     camera.depth.publish(stamped(Image(encoding='rgb8', height=1, width=1), frames[1].stamp))
     camera.camera_info.publish(camera_info_message(1, 'c', good.camera, good.depth.shape))
     camera.send_mask(frames[1])
-    assert node.says("/depth/image: depth image: unknown encoding 'rgb8'", 10), node.output
+    assert node.prints("/depth/image: depth image: unknown encoding 'rgb8'", 10), node.output
 
     camera.send_depth(frames[2])
     camera.send_mask(frames[2]._replace(labels=frames[2].labels[:60]))
-    assert node.says('/mask: it is for 160 x 60 pixels', 10), node.output
+    assert node.prints('/mask: it is for 160 x 60 pixels', 10), node.output
 
     camera.send(frames[3]._replace(camera=good.camera._replace(fx=0.0, fy=0.0)))
-    assert node.says('/depth/camera_info: the matrix K', 10), node.output
+    assert node.prints('/depth/camera_info: the matrix K', 10), node.output
 
     camera.send(good._replace(stamp=frames[4].stamp))
-    assert ear.wait_for(1, 10), node.output
-    assert list(ear.skeletons) == [frames[4].stamp]
+    assert estimates.wait_for(1, 10), node.output
+    assert list(estimates.skeletons) == [frames[4].stamp]
     assert 'Traceback' not in node.output
 
 
@@ -201,34 +211,36 @@ def stamped(image: Image, stamp: int) -> Image:
 
 
 def test_same_trouble_is_not_logged_with_every_frame(
-    meeting: Meeting, frames: list[Frame]
+    active_node: NodeUnderTest, frames: list[Frame]
 ) -> None:
-    node, camera, _, _ = meeting
+    node, camera, _, _ = active_node
     for frame in frames:
         camera.send(frame._replace(camera=frame.camera._replace(fx=0.0)))
         time.sleep(0.03)
-    assert node.says('the matrix K', 10)
+    assert node.prints('the matrix K', 10)
     assert node.output.count('the matrix K') == 1
 
 
 def test_recording_that_is_played_twice_is_answered_twice(
-    meeting: Meeting, frames: list[Frame]
+    active_node: NodeUnderTest, frames: list[Frame]
 ) -> None:
-    node, camera, ear, _ = meeting
+    node, camera, estimates, _ = active_node
     for count, frame in enumerate([*frames, *frames], 1):
         camera.send(frame)
-        assert ear.wait_for(count, 10), (count, node.output)
-    assert node.says('went back', 10)
+        assert estimates.wait_for(count, 10), (count, node.output)
+    assert node.prints('went back', 10)
 
 
 @pytest.fixture
 def slow_node(
-    start: Callable[..., Program], small_model_file: Path
+    start_program: Callable[..., Program], small_model_file: Path
 ) -> Iterator[Callable[[float], Program]]:
     def begin(seconds: float) -> Program:
         model = f'model:={small_model_file}'
-        node = start(SLOW_NODE, seconds, '--ros-args', '-p', model, '-p', 'sync_queue:=1000')
-        assert node.says('ready')
+        node = start_program(
+            SLOW_NODE, seconds, '--ros-args', '-p', model, '-p', 'sync_queue:=1000'
+        )
+        assert node.prints('ready')
         return node
 
     return begin
@@ -240,12 +252,15 @@ def resident_bytes(pid: int) -> int:
 
 
 def test_overload_newest_wins_and_memory_does_not_grow(
-    slow_node: Callable[[float], Program], camera: Camera, ear: Ear, tmp_path: Path
+    slow_node: Callable[[float], Program],
+    camera: Camera,
+    estimates: PublishedEstimates,
+    tmp_path: Path,
 ) -> None:
     frames = generate(tmp_path, frames=60, width=320, height=240, rate=100.0)
     flood = [*frames, *later(frames, 1), *later(frames, 2), *later(frames, 3)]
     node = slow_node(0.25)
-    meet(camera, ear)
+    wait_for_connections(camera, estimates)
     for frame in frames[:30]:  # so that all buffers have been in use
         camera.send(frame._replace(stamp=frame.stamp - 10**9))
         time.sleep(0.01)
@@ -256,13 +271,13 @@ def test_overload_newest_wins_and_memory_does_not_grow(
         time.sleep(0.01)
     seconds = time.monotonic() - begin
     last = flood[-1].stamp
-    assert wait_until(lambda: last in ear.skeletons, 5), node.output
-    answered = list(ear.skeletons)
+    assert wait_until(lambda: last in estimates.skeletons, 5), node.output
+    answered = list(estimates.skeletons)
     assert answered == sorted(answered)
     assert len(answered) <= seconds / 0.25 + 10
     # 240 frames of depth and mask are 55 MB.
     assert resident_bytes(node.pid) - before < 20e6
-    assert node.says('frames were left out because newer ones came', 10), node.output
+    assert node.prints('frames were left out because newer ones came', 10), node.output
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
@@ -278,7 +293,7 @@ def test_signal_ends_the_node_at_once_and_quietly(
         camera.send(frame)
         time.sleep(0.01)
     begin = time.monotonic()
-    assert node.ends(number) == 0
+    assert node.exit_status(number) == 0
     assert time.monotonic() - begin < 2
     assert 'Traceback' not in node.output
     assert 'rror' not in node.output
@@ -289,35 +304,35 @@ def test_publisher_of_best_effort_does_not_suit_reliable(
 ) -> None:
     node = start_node(reliability='reliable')
     probe.create_publisher(Image, 'depth/image', qos_profile_sensor_data)
-    assert node.says('/depth/image: a publisher offers an incompatible RELIABILITY', 10)
+    assert node.prints('/depth/image: a publisher offers an incompatible RELIABILITY', 10)
     assert 'set the parameter reliability to auto or best_effort' in node.output
 
 
 def test_lost_images_are_told_with_the_remedy(
-    start_node: Callable[..., Program], start: Callable[..., Program]
+    start_node: Callable[..., Program], start_program: Callable[..., Program]
 ) -> None:
     node = start_node(reliability='best_effort')
-    start(DEFAULT_CAMERA, 12, FASTRTPS_DEFAULT_PROFILES_FILE='')
-    assert node.says('the middleware lost', 20), node.output
+    start_program(DEFAULT_CAMERA, 12, FASTRTPS_DEFAULT_PROFILES_FILE='')
+    assert node.prints('the middleware lost', 20), node.output
     assert re.search(
         r'FASTRTPS_DEFAULT_PROFILES_FILE=\S+/config/fastdds_profile\.xml', node.output
     )
 
 
 def test_with_the_profile_no_image_is_lost(
-    start_node: Callable[..., Program], start: Callable[..., Program]
+    start_node: Callable[..., Program], start_program: Callable[..., Program]
 ) -> None:
     node = start_node(reliability='best_effort')
-    start(DEFAULT_CAMERA, 12)
+    start_program(DEFAULT_CAMERA, 12)
     # The same report that would name losses names what is silent.
-    assert node.says('nothing received on /mask for 5 s (no publishers)', 20), node.output
+    assert node.prints('nothing received on /mask for 5 s (no publishers)', 20), node.output
     assert 'lost' not in node.output
 
 
 def test_compressed_depth(
     start_node: Callable[..., Program],
     probe: Node,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
     model: Model,
 ) -> None:
@@ -326,7 +341,7 @@ def test_compressed_depth(
     topic = 'depth/image/compressedDepth'
     depth = probe.create_publisher(CompressedImage, topic, 10)
     assert wait_until(depth.get_subscription_count)
-    meet_masks(camera, ear)
+    wait_for_compressed_connections(camera, estimates)
     frame = frames[0]
     form, data = encode_compressed_depth(np.rint(frame.depth * 1000).astype('<u2'))
     message = CompressedImage(format=form, data=list(data))
@@ -335,24 +350,24 @@ def test_compressed_depth(
     head = (frame.stamp, frame.frame_id)
     camera.camera_info.publish(camera_info_message(*head, frame.camera, frame.depth.shape))
     camera.mask.publish(mask_message(*head, frame.labels))
-    assert ear.wait_for(1, 10)
-    assert_equal(ear.skeletons[frame.stamp], offline(model, [frame])[frame.stamp])
+    assert estimates.wait_for(1, 10)
+    assert_equal(estimates.skeletons[frame.stamp], offline(model, [frame])[frame.stamp])
 
 
-def meet_masks(camera: Camera, ear: Ear) -> None:
+def wait_for_compressed_connections(camera: Camera, estimates: PublishedEstimates) -> None:
     assert wait_until(camera.mask.get_subscription_count)
-    ear.wait_for_node()
+    estimates.wait_for_node()
     time.sleep(0.3)
 
 
 def test_topics_are_relative_and_can_be_remapped(
-    start: Callable[..., Program], small_model_file: Path, probe: Node
+    start_program: Callable[..., Program], small_model_file: Path, probe: Node
 ) -> None:
-    node = start(
+    node = start_program(
         *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={small_model_file}'),
         *('-r', '__ns:=/robot', '-r', 'depth/image:=/kinect/depth_rect'),
     )
-    assert node.says('listening to /kinect/depth_rect, /robot/depth/camera_info, /robot/mask')
+    assert node.prints('listening to /kinect/depth_rect, /robot/depth/camera_info, /robot/mask')
     names = {'/robot/pose_node/skeletons', '/robot/pose_node/joint_markers'}
     assert wait_until(lambda: names <= {name for name, _ in probe.get_topic_names_and_types()}, 10)
 
@@ -360,34 +375,34 @@ def test_topics_are_relative_and_can_be_remapped(
 def test_nearest_body_needs_no_mask(
     start_node: Callable[..., Program],
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
     model: Model,
 ) -> None:
     node = start_node(segmentation='nearest', range_max=4.0)
     assert '/mask' not in node.output
-    meet_without_mask(camera, ear)
+    wait_for_connections_without_mask(camera, estimates)
     segmenter = make_segmenter(SegmentationSettings('nearest', range_max=4.0))
     for count, frame in enumerate(frames[:3], 1):
         camera.send_depth(frame)
-        assert ear.wait_for(count, 10), node.output
+        assert estimates.wait_for(count, 10), node.output
     for frame in frames[:3]:
         labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
         expected = Estimator(model).estimate(frame.depth, labels, frame.camera)
         assert np.isfinite(expected.positions).any()
-        assert_equal(ear.skeletons[frame.stamp], expected)
+        assert_equal(estimates.skeletons[frame.stamp], expected)
 
 
 def test_background_is_learnt_before_anybody_is_seen(
     start_node: Callable[..., Program],
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
-    remote: Remote,
+    services: NodeServices,
 ) -> None:
     node = start_node(segmentation='background', background_seconds=0.2)
-    assert node.says('learning the empty scene', 5)
-    meet_without_mask(camera, ear)
+    assert node.prints('learning the empty scene', 5)
+    wait_for_connections_without_mask(camera, estimates)
     wall = np.full_like(frames[0].depth, 4.0)
     empty = [frame._replace(depth=wall) for frame in frames[:10]]
     seen = [
@@ -396,48 +411,51 @@ def test_background_is_learnt_before_anybody_is_seen(
     ]
     for count, frame in enumerate([*empty, *seen], 1):
         camera.send_depth(frame)
-        assert ear.wait_for(count, 10), node.output
-    assert node.says('the empty scene is learnt', 5)
-    bodies = [each.bodies.tolist() for each in ear.skeletons.values()]
+        assert estimates.wait_for(count, 10), node.output
+    assert node.prints('the empty scene is learnt', 5)
+    bodies = [each.bodies.tolist() for each in estimates.skeletons.values()]
     assert bodies == [[]] * 10 + [[1]] * 2
 
-    assert remote.change('deactivate')
-    assert remote.change('activate')
+    assert services.change('deactivate')
+    assert services.change('activate')
     assert wait_until(lambda: node.output.count('learning the empty scene') == 2, 5)
 
 
-def meet_without_mask(camera: Camera, ear: Ear) -> None:
+def wait_for_connections_without_mask(camera: Camera, estimates: PublishedEstimates) -> None:
     publishers = (camera.depth, camera.camera_info)
     assert wait_until(lambda: all(each.get_subscription_count() for each in publishers), 10)
-    ear.wait_for_node()
+    estimates.wait_for_node()
     time.sleep(0.3)
     assert not camera.mask.get_subscription_count()
 
 
 def test_bodies_keep_their_numbers_where_they_are_tracked(
-    start_node: Callable[..., Program], camera: Camera, ear: Ear, frames: list[Frame]
+    start_node: Callable[..., Program],
+    camera: Camera,
+    estimates: PublishedEstimates,
+    frames: list[Frame],
 ) -> None:
     start_node(body_ids='tracked')
-    meet(camera, ear)
+    wait_for_connections(camera, estimates)
     for count, frame in enumerate(frames[:4], 1):
         number = np.where(frame.labels != NO_BODY, 10 + count, NO_BODY)
         camera.send(frame._replace(labels=number.astype(np.int32)))
-        assert ear.wait_for(count, 10)
-    assert [each.bodies.tolist() for each in ear.skeletons.values()] == [[11]] * 4
+        assert estimates.wait_for(count, 10)
+    assert [each.bodies.tolist() for each in estimates.skeletons.values()] == [[11]] * 4
 
 
 def test_without_graph_the_joints_are_those_of_the_estimator_without(
     start_node: Callable[..., Program],
     camera: Camera,
-    ear: Ear,
+    estimates: PublishedEstimates,
     frames: list[Frame],
     model: Model,
 ) -> None:
     start_node(graph='false', minimum_confidence=1.0)
-    meet(camera, ear)
+    wait_for_connections(camera, estimates)
     camera.send(frames[0])
-    assert ear.wait_for(1)
+    assert estimates.wait_for(1)
     alone = Estimator(model, graph=False)
     expected = alone.estimate(frames[0].depth, frames[0].labels, frames[0].camera)
-    assert_equal(ear.skeletons[frames[0].stamp], expected)
-    assert {each.action for each in ear.markers[0].markers} == {Marker.DELETE}
+    assert_equal(estimates.skeletons[frames[0].stamp], expected)
+    assert {each.action for each in estimates.markers[0].markers} == {Marker.DELETE}
