@@ -105,3 +105,13 @@ def test_the_index_lists_every_page() -> None:
 def test_options_that_are_named_exist(document: Path) -> None:
     named = set(re.findall(r'(?<![\w-])--[a-z][a-z-]+', text_of(document)))
     assert named - options_of_the_commands() - OTHER_OPTIONS == set()
+
+
+@pytest.mark.parametrize('document', DOCUMENTS, ids=name_of)
+def test_code_that_is_linked_by_name_is_in_the_linked_file(document: Path) -> None:
+    for name, link in re.findall(r'\[`([\w.]+)`\]\(([^)]+\.py)\)', text_of(document)):
+        target = document.parent / link
+        if name == target.name:
+            continue
+        definition = rf'^\s*(?:def |class )?{name.split(".")[-1]}\b'
+        assert re.search(definition, text_of(target), re.MULTILINE), f'{name}: {link}'
