@@ -14,7 +14,7 @@ from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation import evaluate
 from lsc_pose_ros.evaluation.evaluate import Evaluation, summarise
-from lsc_pose_ros.numerics.source_hash import source_stamp
+from lsc_pose_ros.numerics.source_hash import source_hash
 from lsc_pose_ros.training import train
 from lsc_pose_ros.training.train import TrainingSettings
 from lsc_pose_ros.viz.drawing.canvas import make_directory, write_beside
@@ -105,7 +105,7 @@ def trial_key(fold: dict[str, object], trial: Trial) -> dict[str, object]:
     """Return all that decides what comes of `trial` in a fold, the program itself included."""
     return {
         'format': _FORMAT,
-        'program': [source_stamp(module.__name__) for module in (train, evaluate)],
+        'program': [source_hash(module.__name__) for module in (train, evaluate)],
         'fold': fold,
         'trial': plain(trial),
     }

@@ -1,1 +1,1 @@
-"""How the numeric kernels are compiled and cached, and fast elementary functions."""
+"""Compilation and caching of the numeric kernels, and fast elementary functions."""

@@ -1,12 +1,11 @@
-"""How the numeric kernels are compiled: one decorator for all of them."""
+"""Decorators that compile the numeric kernels."""
 
 from collections.abc import Callable
-from contextlib import suppress
 from typing import Any, ParamSpec, TypeVar
 
 import numba
 
-from lsc_pose_ros.numerics.kernel_cache import KernelCache
+from lsc_pose_ros.numerics.kernel_cache import enable_cache
 
 # Depth images hold NaN and infinity, so `nnan` and `ninf` must stay out of this set.
 FASTMATH = {'nsz', 'arcp', 'contract', 'afn', 'reassoc'}
@@ -16,12 +15,12 @@ _Result = TypeVar('_Result')
 
 
 def kernel(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-    """Compile `function` for one core; it releases the GIL and its code is kept on disk."""
+    """Compile `function` for one core; it releases the GIL, and its machine code is cached."""
     return _compile(function, parallel=False, fastmath=FASTMATH)
 
 
 def exact_kernel(function: Callable[_Parameters, _Result]) -> Callable[_Parameters, _Result]:
-    """Compile `function` as `kernel` does, but to the last bit as it is written.
+    """Compile `function` like `kernel`, with each operation rounded in the order written.
 
     Every compiler and processor then gives the same numbers.
     """
@@ -39,8 +38,6 @@ def _compile(
     compiled: Any = numba.njit(
         nogil=True, error_model='numpy', fastmath=fastmath, parallel=parallel
     )(function)
-    with suppress(RuntimeError, OSError):  # nowhere to keep it: every process compiles anew
-        # What `cache=True` does with numba's own cache.
-        compiled._cache = KernelCache(function)  # noqa: SLF001
+    enable_cache(compiled, function)
     result: Callable[_Parameters, _Result] = compiled
     return result

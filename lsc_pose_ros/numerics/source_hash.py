@@ -1,4 +1,4 @@
-"""A stamp of all the source code that the machine code of a module's kernels is made from."""
+"""A hash of all the source code that a module's kernels are compiled from."""
 
 import hashlib
 import sys
@@ -9,13 +9,15 @@ from types import ModuleType
 
 import numpy as np
 
+_CONSTANTS = (bool, int, float, complex, str, np.generic)
+
 
 @cache
-def source_stamp(name: str) -> str:
-    """Return a hash of the module `name` and of all that it uses of its package, near or far.
+def source_hash(name: str) -> str:
+    """Return a hash of the module `name` and of all modules of its package that it uses.
 
-    A module uses another one where it holds the module itself, or a class or function of it. A
-    constant does not tell where it comes from, so its value counts.
+    A module uses another one if it holds that module, or a class or function of it, directly or
+    through further modules. A constant does not say where it comes from, so its value is hashed.
     """
     digest = hashlib.sha256()
     for used in sorted(_used_by(name)):
@@ -42,15 +44,12 @@ def _used_directly(module: ModuleType) -> Iterator[str]:
     for value in vars(module).values():
         if not isinstance(value, ModuleType):
             yield str(getattr(value, '__module__', ''))
-        elif not hasattr(module, '__path__'):  # a package holds what anybody has imported of it
+        elif not hasattr(module, '__path__'):  # a package holds all its imported submodules
             yield value.__name__
 
 
 def _is_constant(name: str, value: object) -> bool:
     if isinstance(value, tuple):
         return all(_is_constant(name, part) for part in value)
-    # Where a module lies, for one, has two underscores.
+    # Names with two underscores, such as __file__, differ between installations.
     return not name.startswith('__') and isinstance(value, _CONSTANTS)
-
-
-_CONSTANTS = (bool, int, float, complex, str, np.generic)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.numerics.fast_log import log2_of_bits
+from lsc_pose_ros.numerics.fast_math import log2_from_bits
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.inference.density import squared_distance
 
@@ -185,6 +185,6 @@ def _entropy_times_count(sums: NDArray[np.float32], count: int) -> np.float32:
     bits = sums.view(np.int32)
     total, weight = np.float32(0), np.float32(0)
     for j in range(sums.shape[0]):
-        total += sums[j, 0] * log2_of_bits(bits[j, 0])
+        total += sums[j, 0] * log2_from_bits(bits[j, 0])
         weight += sums[j, 0]
     return weight * np.float32(np.log2(count)) - total

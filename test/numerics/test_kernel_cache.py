@@ -1,4 +1,4 @@
-"""Where machine code is kept: programs of their own run small kernels of an installation."""
+"""The cache of machine code; separate processes run small kernels of an installation."""
 
 import os
 import shutil
@@ -10,7 +10,7 @@ import pytest
 
 import lsc_pose_ros
 
-# A kernel that calls one of another file, which has a constant from a third.
+# A kernel that calls one in another file, which imports a constant from a third.
 CONSTANTS = 'FACTOR = 2.0\n'
 INNER = """
 from lsc_pose_ros.numerics.jit import kernel
@@ -39,7 +39,7 @@ print(cache_directory(), describe_cache(), sep='\\n')
 
 
 class Installation:
-    """The numerics of the package with three more modules, installed in a folder of its own."""
+    """The numerics of the package with three more modules, installed in a separate folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -59,7 +59,7 @@ class Installation:
         (self.numerics / f'{module}.py').write_text(text)
 
     def make_read_only(self) -> None:
-        """Leave no place beside the sources; permissions would not keep root out."""
+        """Block the cache beside the sources with a file; permissions would not stop root."""
         shutil.rmtree(self.numerics / '__pycache__', ignore_errors=True)
         (self.numerics / '__pycache__').touch()
 
@@ -91,7 +91,7 @@ class Installation:
         return output.splitlines()
 
     def call(self, **variables: str) -> tuple[float, int]:
-        """Return what `outer(1.5)` gives in a new process, and how often its code was kept."""
+        """Return the result of `outer(1.5)` in a new process, and its number of cache hits."""
         result, hits = self.run(CALL, **variables)[-1].split()
         return float(result), int(hits)
 
@@ -101,7 +101,7 @@ def installation(tmp_path: Path) -> Installation:
     return Installation(tmp_path)
 
 
-def test_code_is_kept_beside_the_sources(installation: Installation) -> None:
+def test_code_is_cached_beside_the_sources(installation: Installation) -> None:
     assert installation.call() == (4.0, 0)
     assert installation.call() == (4.0, 1)
     directory = installation.numerics / '__pycache__'
@@ -117,17 +117,17 @@ def test_read_only_installation_falls_back_to_the_users_cache(installation: Inst
     directory, text = installation.run(DESCRIBE)
     assert Path(directory).is_relative_to(installation.user)
     assert list(Path(directory).glob('outer.outer-*.nbc'))
-    assert text == f'kept in {directory}, for the installation is read-only'
+    assert text == f'kept in {directory}, because the installation is read-only'
 
 
-def test_without_any_place_kernels_work_and_are_kept_nowhere(installation: Installation) -> None:
+def test_kernels_work_if_no_folder_can_be_written(installation: Installation) -> None:
     installation.make_read_only()
     installation.make_user_read_only()
     assert installation.call() == (4.0, 0)
     assert installation.call() == (4.0, 0)
     directory, text = installation.run(DESCRIBE)
     assert directory == 'None'
-    assert text.startswith('kept nowhere')
+    assert text.startswith('not kept')
     assert 'NUMBA_CACHE_DIR' in text
 
 
@@ -145,7 +145,7 @@ def test_named_folder_comes_first(installation: Installation, tmp_path: Path) ->
     ('module', 'text'),
     [('inner', INNER.replace('x *', '2 * x *')), ('constants', 'FACTOR = 4.0\n')],
 )
-def test_change_in_a_file_that_is_used_is_noticed(
+def test_change_in_a_used_file_recompiles_the_kernel(
     installation: Installation, module: str, text: str
 ) -> None:
     assert installation.call() == (4.0, 0)
@@ -154,7 +154,7 @@ def test_change_in_a_file_that_is_used_is_noticed(
     assert installation.call() == (7.0, 1)
 
 
-def test_change_in_a_file_that_is_not_used_costs_nothing(installation: Installation) -> None:
+def test_change_in_an_unused_file_keeps_the_cache(installation: Installation) -> None:
     assert installation.call() == (4.0, 0)
     installation.write('frame', '')
     assert installation.call() == (4.0, 1)
@@ -168,7 +168,7 @@ def zero(file: Path) -> None:
     file.write_bytes(bytes(file.stat().st_size))
 
 
-def test_damaged_file_is_made_anew(installation: Installation) -> None:
+def test_damaged_file_is_replaced(installation: Installation) -> None:
     assert installation.call() == (4.0, 0)
     for kind in ('nbi', 'nbc'):
         for damage in (truncate, zero):
@@ -178,7 +178,7 @@ def test_damaged_file_is_made_anew(installation: Installation) -> None:
     assert installation.call() == (4.0, 1)
 
 
-def test_full_disk_costs_the_cache_and_nothing_else(installation: Installation) -> None:
+def test_kernels_work_with_a_full_disk(installation: Installation) -> None:
     fill = """
 import errno
 from numba.core.caching import IndexDataCacheFile
@@ -192,7 +192,7 @@ IndexDataCacheFile._open_for_write = fail
     assert installation.call() == (4.0, 0)
 
 
-def test_folder_that_vanishes_costs_the_cache_and_nothing_else(installation: Installation) -> None:
+def test_kernels_work_if_the_folder_is_deleted(installation: Installation) -> None:
     vanish = f"""
 import shutil
 import lsc_pose_ros.numerics.outer
@@ -201,7 +201,7 @@ shutil.rmtree({str(installation.numerics / '__pycache__')!r})
     assert installation.run(vanish + CALL) == ['4.0 0']
 
 
-def test_processes_that_compile_at_once_do_not_disturb_each_other(
+def test_two_processes_can_compile_at_once(
     installation: Installation,
 ) -> None:
     call = """
@@ -219,3 +219,46 @@ print(len(outer.stats.cache_hits), len(outer.stats.cache_misses))
         assert program.returncode == 0, errors
         assert output.split() == ['0', '6']
     assert installation.run(call.format(chosen=':')) == ['12 0']
+
+
+# Hides parts of numba's caching module while this package is imported, as if its version of numba
+# had other ones. Numba itself needs them later.
+REPLACE = """
+import sys
+import types
+from numba.core import caching
+
+class FunctionCache:
+    def __init__(self, function):
+        self.cache_path = '/'
+
+other = types.ModuleType('numba.core.caching')
+{parts}
+sys.modules['numba.core.caching'] = other
+import lsc_pose_ros.numerics.kernel_cache
+sys.modules['numba.core.caching'] = caching
+"""
+RENAMED = REPLACE.format(parts='')
+REBUILT = REPLACE.format(
+    parts="""
+other.FunctionCache = FunctionCache
+other.IndexDataCacheFile = caching.IndexDataCacheFile
+"""
+)
+
+
+@pytest.mark.parametrize('numba', [RENAMED, REBUILT], ids=['renamed', 'rebuilt'])
+def test_numbas_own_cache_is_used_if_its_parts_are_unknown(
+    installation: Installation, numba: str
+) -> None:
+    assert installation.run(numba + CALL) == ['4.0 0']
+    assert installation.run(numba + CALL) == ['4.0 1']
+    directory, text = installation.run(numba + DESCRIBE)
+    assert Path(directory) == installation.numerics / '__pycache__'
+    assert text == f'kept in {directory}'
+
+
+def test_kernels_run_interpreted(installation: Installation) -> None:
+    call = 'from lsc_pose_ros.numerics.outer import outer; print(outer(1.5))'
+    assert installation.run(call, NUMBA_DISABLE_JIT='1') == ['4.0']
+    assert installation.run(DESCRIBE, NUMBA_DISABLE_JIT='1')[0] == 'None'

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.numerics.fast_log import log2_of_bits, polynomial
+from lsc_pose_ros.numerics.fast_math import log2_from_bits, polynomial
 from lsc_pose_ros.numerics.jit import kernel
 
 RADIUS_BINS = 5
@@ -174,7 +174,7 @@ def _gather(
 def _measure(reach: _Reach, found: int, per_log: float, shift: float, places: _Places) -> None:
     """Turn offsets into bins and shares, without branches, so that the loop vectorises."""
     for j in range(found):
-        radius = log2_of_bits(reach.bits[j]) * per_log + shift
+        radius = log2_from_bits(reach.bits[j]) * per_log + shift
         radius = min(max(radius, _ZERO), _SINGLE(RADIUS_BINS - 1))
         azimuth = _angle(reach.x[j], reach.y[j]) * _PER_AZIMUTH + _SINGLE(AZIMUTH_BINS - 0.5)
         azimuth -= _SINGLE(AZIMUTH_BINS) if azimuth >= _SINGLE(AZIMUTH_BINS) else _ZERO

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.numerics.fast_exp import falloff
+from lsc_pose_ros.numerics.fast_math import exp_neg
 from lsc_pose_ros.numerics.jit import kernel
 
 # A mode is found when a step is shorter than this share of the bandwidth.
@@ -52,7 +52,7 @@ def density(place: Place, cloud: Cloud, bandwidth: float) -> np.float32:
         dx = cloud.x[m] - x
         dy = cloud.y[m] - y
         dz = cloud.z[m] - z
-        total += cloud.weight[m] * falloff(scale * (dx * dx + dy * dy + dz * dz))
+        total += cloud.weight[m] * exp_neg(scale * (dx * dx + dy * dy + dz * dz))
     return total
 
 
@@ -69,7 +69,7 @@ def mean_shift(place: Place, cloud: Cloud, bandwidth: float) -> Point:
         dx = cloud.x[m] - x
         dy = cloud.y[m] - y
         dz = cloud.z[m] - z
-        pull = cloud.weight[m] * falloff(scale * (dx * dx + dy * dy + dz * dz))
+        pull = cloud.weight[m] * exp_neg(scale * (dx * dx + dy * dy + dz * dz))
         total += pull
         to_x += pull * dx
         to_y += pull * dy

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics, back_project
-from lsc_pose_ros.numerics.fast_exp import falloff
+from lsc_pose_ros.numerics.fast_math import exp_neg
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.preprocessing import (
@@ -159,7 +159,7 @@ def _add_neighbours(
         dz = other[j] - centre[j]
         dx = right[j] * dz + right_step * other[j]
         dy = down * dz + down_step * other[j]
-        weight = falloff(scale * (dx * dx + dy * dy + dz * dz))
+        weight = exp_neg(scale * (dx * dx + dy * dy + dz * dz))
         # Infinity and NaN have gone through the arithmetic; here they are left out.
         seen = other[j] < _UNSEEN
         weight = weight if seen else np.float32(0)

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.numerics.fast_exp import falloff
 from lsc_pose_ros.plain import density as plain
 from lsc_pose_ros.pose.inference.density import Cloud, climb, density, find_modes, mean_shift
 
@@ -10,20 +9,6 @@ BANDWIDTH = 0.07
 
 def cloud(votes: np.ndarray, weights: np.ndarray) -> Cloud:
     return Cloud(*np.ascontiguousarray(votes.T), weights)
-
-
-def test_falloff_is_the_exponential_to_the_stated_error() -> None:
-    s = np.linspace(0, 16, 4001, endpoint=False).astype(np.float32)
-    found = np.array([falloff(value) for value in s])
-    expected = np.exp(-s.astype(float))
-    assert np.abs(found - expected).max() < 2e-6
-    assert np.abs(found / expected - 1)[s <= 9].max() < 1e-4
-    assert falloff(np.float32(0)) == pytest.approx(1, abs=2e-6)
-
-
-@pytest.mark.parametrize('s', [16, 1e3, 1e30, np.inf])
-def test_falloff_ends(s: float) -> None:
-    assert falloff(np.float32(s)) == 0
 
 
 def random_votes(seed: int, count: int = 80) -> tuple[np.ndarray, np.ndarray]:

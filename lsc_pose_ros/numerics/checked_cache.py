@@ -1,0 +1,66 @@
+"""Numba's cache of machine code with checks that an installed package needs.
+
+This is the only module that uses names that numba does not document.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+
+from lsc_pose_ros.numerics.source_hash import source_hash
+
+if sys.platform != 'win32':
+    import fcntl
+
+_LOCK = 'kernels.lock'
+
+
+class CheckedCache(FunctionCache):
+    """The cache of one kernel.
+
+    Numba's own cache keeps code apart by argument types, processor, and the versions of Python
+    and numba. This one also
+
+    - recompiles a kernel when another file that it uses has changed, e.g. after an update;
+    - recompiles a kernel when its cached file is damaged, and works with a full disk;
+    - lets one process at a time read or write, because an entry is two files.
+    """
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        """Find the folder.
+
+        Raises:
+            RuntimeError: no folder can be written.
+            OSError: the function has no file.
+            AttributeError: this version of numba builds its cache differently.
+        """
+        super().__init__(function)
+        stamp = self._impl.locator.get_source_stamp(), source_hash(function.__module__)
+        self._cache_file = IndexDataCacheFile(self.cache_path, self._impl.filename_base, stamp)
+
+    def load_overload(self, sig: object, target_context: object) -> object:
+        """Return the code for a signature, or None if it is not cached."""
+        try:
+            with self._locked():
+                return super().load_overload(sig, target_context)
+        except Exception:  # noqa: BLE001 - a damaged pickle can raise anything
+            with suppress(OSError):
+                self.flush()
+            return None
+
+    def save_overload(self, sig: object, data: object) -> None:
+        """Save the code for a signature; on a full disk, do nothing."""
+        with suppress(OSError), self._locked():
+            super().save_overload(sig, data)
+
+    @contextmanager
+    def _locked(self) -> Iterator[None]:
+        with Path(self.cache_path, _LOCK).open('a', encoding='ascii') as lock:
+            if sys.platform != 'win32':
+                with suppress(OSError):  # not every network file system can lock
+                    fcntl.flock(lock, fcntl.LOCK_EX)
+            yield
