@@ -36,12 +36,13 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install test lint test-floor test-newest demo model benchmarks benchmarks-live clean
+.PHONY: help install settings test lint test-floor test-newest demo model benchmarks benchmarks-live clean
 
 help:
 	@echo 'make demo             start the live node, check what it answers; train a model beside it'
 	@echo 'make test             linters, types, import contract, tests on the oldest and newest numpy'
 	@echo 'make install          the environment $(VENV) alone, with the ROS wheels unless Jazzy is sourced'
+	@echo 'make settings         pose_node.yaml and docs/parameters.md, after a change of settings/table.py'
 	@echo 'make model            train anew the model that comes with the package, and measure it, in'
 	@echo '                      an hour or two; MOCAP=DIR for motion capture, NAME=front for another'
 	@echo 'make benchmarks       the curves of benchmarks/, on a machine that does nothing else'
@@ -73,6 +74,9 @@ endif
 
 demo: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.demo --directory demo
+
+settings: $(VENV)/installed
+	$(BIN)/python -m lsc_pose_ros.settings
 
 model: $(VENV)/installed
 	$(BIN)/python models/make.py $(NAME) $(if $(MOCAP),--mocap '$(MOCAP)')

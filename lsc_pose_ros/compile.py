@@ -20,11 +20,8 @@ from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.features.shape_context_3d import DESCRIPTOR_SIZE
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.settings import FEATURES, Settings
-from lsc_pose_ros.segmentation.segmenter import (
-    SEGMENTATIONS,
-    SegmentationSettings,
-    make_segmenter,
-)
+from lsc_pose_ros.segmentation.segmenter import make_segmenter
+from lsc_pose_ros.settings.table import SEGMENTATIONS, SegmentationSettings
 from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 from lsc_pose_ros.training.criterion import ENTROPY, SPREAD, contributions, offset_moments
 from lsc_pose_ros.training.train import TrainingSettings, train

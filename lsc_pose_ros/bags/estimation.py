@@ -8,15 +8,16 @@ from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons
 from lsc_pose_ros.bags.storage.raw_messages import MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import Sequence
-from lsc_pose_ros.messages.markers import Drawing, MarkerStyle
+from lsc_pose_ros.messages.markers import Drawing
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
+from lsc_pose_ros.settings.table import DrawingSettings
 
 SKELETONS_TOPIC = '/pose_node/skeletons'
 MARKERS_TOPIC = '/pose_node/joint_markers'
 
 _LITTLE_ENDIAN = 1
 
-_USUAL_STYLE = MarkerStyle()
+_DEFAULT_DRAWING = DrawingSettings()
 
 
 def answer_frames(
@@ -24,7 +25,7 @@ def answer_frames(
     sequence: Sequence,
     writer: RecordingWriter,
     segmenter: Segmenter | None = None,
-    style: MarkerStyle = _USUAL_STYLE,
+    drawing_settings: DrawingSettings = _DEFAULT_DRAWING,
 ) -> Iterator[Skeletons]:
     """Write what the frames are made of, as it was recorded, and the joints of every frame.
 
@@ -35,7 +36,7 @@ def answer_frames(
         sequence: what answers them, one after the other.
         writer: what writes.
         segmenter: what finds the bodies, None where the frames' masks show them.
-        style: how the joints are drawn.
+        drawing_settings: how the joints are drawn.
 
     Yields:
         each answer, when it is written.
@@ -48,7 +49,7 @@ def answer_frames(
         if segmenter is not None:
             labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
         skeletons = sequence.answer(frame.stamp, frame.depth, labels, frame.camera)
-        shapes = drawing.shapes(skeletons, style)
+        shapes = drawing.shapes(skeletons, drawing_settings)
         head = (frame.stamp, frame.frame_id)
         writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))
         writer.write(MARKERS_TOPIC, MARKER_ARRAY, log_time, markers_message(*head, shapes))

@@ -3,36 +3,18 @@
 The live node and the replay of a recording both answer through this, so they answer alike.
 """
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.settings.table import TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
 from lsc_pose_ros.tracking.tracker import Tracker
 
 # Stamps that go back this far, nanoseconds: a recording has begun again.
 REWIND_NS = 500_000_000
-
-
-class SequenceSettings(NamedTuple):
-    """What is done with the estimator's answers.
-
-    Attributes:
-        smoothing: whether the joints are smoothed over time (One-Euro filter).
-        smoothing_cutoff: the filter's cutoff frequency for a joint at rest, Hz.
-        smoothing_beta: by how much the cutoff rises with a joint's speed, 1/m.
-        tracked: whether bodies are followed from frame to frame, for masks that renumber them;
-            otherwise a body has the number that the mask gives it.
-    """
-
-    smoothing: bool = False
-    smoothing_cutoff: float = 1.0
-    smoothing_beta: float = 8.0
-    tracked: bool = False
 
 
 class Sequence:
@@ -44,7 +26,7 @@ class Sequence:
         settings: what is done with them; may be replaced at any time, from any thread.
     """
 
-    def __init__(self, estimator: Estimator, settings: SequenceSettings) -> None:
+    def __init__(self, estimator: Estimator, settings: TemporalSettings) -> None:
         """Begin without a past.
 
         Args:

@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.settings.table import DrawingSettings
 
 NAMESPACE_JOINTS = 'joints'
 NAMESPACE_BONES = 'bones'
 JOINT_DIAMETER = 0.06
 BONE_WIDTH = 0.02
-LIFETIME_NS = 500_000_000
 
 # A joint of no confidence still shows faintly; invisible it would look like a missing one.
 _LEAST_ALPHA = 0.25
@@ -57,18 +57,6 @@ class MarkerShape(NamedTuple):
     lifetime_ns: int
 
 
-class MarkerStyle(NamedTuple):
-    """How skeletons are drawn.
-
-    Attributes:
-        minimum_confidence: joints below it are left out.
-        lifetime_ns: how long a shape stays when nothing replaces it, in nanoseconds.
-    """
-
-    minimum_confidence: float = 0.0
-    lifetime_ns: int = LIFETIME_NS
-
-
 class Drawing:
     """The shapes of one frame after the other; those of a body that left are deleted."""
 
@@ -81,17 +69,17 @@ class Drawing:
         self._edges = edges
         self._drawn: frozenset[int] = frozenset()
 
-    def shapes(self, skeletons: Skeletons, style: MarkerStyle) -> list[MarkerShape]:
+    def shapes(self, skeletons: Skeletons, settings: DrawingSettings) -> list[MarkerShape]:
         """Return what turns the last frame's picture into that of `skeletons`."""
         bodies = frozenset(skeletons.bodies.tolist())
         shapes = skeleton_markers(
             skeletons,
             self._edges,
-            minimum_confidence=style.minimum_confidence,
+            minimum_confidence=settings.minimum_confidence,
             gone=self._drawn - bodies,
         )
         self._drawn = bodies
-        return [shape._replace(lifetime_ns=style.lifetime_ns) for shape in shapes]
+        return [shape._replace(lifetime_ns=settings.marker_lifetime_ns) for shape in shapes]
 
 
 def skeleton_markers(
@@ -144,7 +132,7 @@ def _added(
         points=points,
         colours=colours,
         size=JOINT_DIAMETER if spheres else BONE_WIDTH,
-        lifetime_ns=LIFETIME_NS,
+        lifetime_ns=DrawingSettings().marker_lifetime_ns,
     )
 
 

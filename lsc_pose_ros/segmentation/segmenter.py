@@ -1,6 +1,6 @@
 """Bodies in a depth image that comes without a mask."""
 
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,12 +9,7 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.segmentation.background import Background
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
-
-MASK = 'mask'
-BACKGROUND = 'background'
-NEAREST = 'nearest'
-SEGMENTATIONS = (MASK, BACKGROUND, NEAREST)
-"""Where the bodies come from: a mask beside the depth image, or one of the segmenters."""
+from lsc_pose_ros.settings.table import MASK, NEAREST, SEGMENTATIONS, SegmentationSettings
 
 
 class Segmenter(Protocol):
@@ -34,24 +29,6 @@ class Segmenter(Protocol):
             depth: metres, 0 where the sensor saw nothing, shape (H, W).
             camera: the intrinsics.
         """
-
-
-class SegmentationSettings(NamedTuple):
-    """How bodies are found; the node's parameters of the same names.
-
-    Attributes:
-        segmentation: one of SEGMENTATIONS.
-        range_min: metres; what is nearer is no body.
-        range_max: metres; what is farther is no body.
-        background_seconds: how long the empty scene is learnt.
-        background_margin: metres by which a body must be nearer than the empty scene.
-    """
-
-    segmentation: str = MASK
-    range_min: float = 0.4
-    range_max: float = 5.0
-    background_seconds: float = 2.0
-    background_margin: float = 0.10
 
 
 def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:

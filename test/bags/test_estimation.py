@@ -10,18 +10,19 @@ from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC, answer_frames
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.estimation.temporal import Sequence, SequenceSettings
+from lsc_pose_ros.estimation.temporal import Sequence
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model
-from lsc_pose_ros.segmentation.segmenter import (
+from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
+from lsc_pose_ros.settings.table import (
     NEAREST,
+    TRACKED,
     SegmentationSettings,
-    make_segmenter,
-    segment,
+    TemporalSettings,
 )
 from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 
-ALL = SequenceSettings(smoothing=True, smoothing_beta=2.0, tracked=True)
+ALL = TemporalSettings(smoothing=True, smoothing_beta=2.0, body_ids=TRACKED)
 
 
 @pytest.fixture(scope='module')
@@ -42,7 +43,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def live(frames: list[Frame], model: Model, settings: SequenceSettings) -> list[Skeletons]:
+def live(frames: list[Frame], model: Model, settings: TemporalSettings) -> list[Skeletons]:
     """What a node's worker does, one frame after the other."""
     sequence = Sequence(Estimator(model), settings)
     return [sequence.answer(each.stamp, each.depth, each.labels, each.camera) for each in frames]
@@ -65,10 +66,15 @@ def written(path: Path) -> list[Skeletons]:
 
 @pytest.mark.parametrize(
     'settings',
-    [SequenceSettings(), SequenceSettings(tracked=True), SequenceSettings(smoothing=True), ALL],
+    [
+        TemporalSettings(),
+        TemporalSettings(body_ids=TRACKED),
+        TemporalSettings(smoothing=True),
+        ALL,
+    ],
 )
 def test_replay_and_live_give_the_same_joints(
-    recording: Path, small_model: Model, settings: SequenceSettings, tmp_path: Path
+    recording: Path, small_model: Model, settings: TemporalSettings, tmp_path: Path
 ) -> None:
     output = tmp_path / 'out.mcap'
     with RecordingWriter(output) as writer:
@@ -82,7 +88,7 @@ def test_replay_and_live_give_the_same_joints(
 
 def test_settings_make_a_difference(recording: Path, small_model: Model) -> None:
     frames = list(open_recording(recording))
-    plain, smooth = (live(frames, small_model, each) for each in (SequenceSettings(), ALL))
+    plain, smooth = (live(frames, small_model, each) for each in (TemporalSettings(), ALL))
     assert not np.array_equal(plain[1].positions, smooth[1].positions, equal_nan=True)
 
 

@@ -27,9 +27,10 @@ from lsc_pose_ros.bags.storage.raw_messages import CAMERA_INFO, IMAGE, MARKER_AR
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
-from lsc_pose_ros.estimation.temporal import Sequence, SequenceSettings
+from lsc_pose_ros.estimation.temporal import Sequence
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.settings.table import TRACKED, TemporalSettings
 
 LATE = 250_000_000
 
@@ -213,7 +214,7 @@ def test_the_nodes_parameters_are_taken(
     settings = model.settings._replace(query_points=60)
     sequence = Sequence(
         Estimator(model._replace(settings=settings)),
-        SequenceSettings(smoothing=True, smoothing_cutoff=0.7, smoothing_beta=3.0, tracked=True),
+        TemporalSettings(TRACKED, smoothing=True, smoothing_cutoff=0.7, smoothing_beta=3.0),
     )
     words = '--query-points 60 --body-ids tracked --smoothing --smoothing-cutoff 0.7'
     output = replay(recording, *words.split(), '--smoothing-beta', '3')
@@ -270,7 +271,7 @@ def test_nobody_within_the_range(
     ('words', 'reason'),
     [
         (['--query-points', '5'], '--query-points: 5 cannot be used'),
-        (['--query-points', '100000'], '--query-points: 100000 cannot be used'),
+        (['--query-points', '9999'], '--query-points: 9999 cannot be used'),
         (['--segmentation', 'nearest', '--range-min', '6'], 'range'),
     ],
 )

@@ -1,17 +1,20 @@
 """Frames that follow one another: numbers that last, smoothing, beginning anew."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.estimation.temporal import REWIND_NS, Sequence, SequenceSettings
+from lsc_pose_ros.estimation.temporal import REWIND_NS, Sequence
+from lsc_pose_ros.settings.table import TRACKED, TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
 from lsc_pose_ros.tracking.tracker import Tracker
 
 FRAME = 33_000_000
 START = 1_700_000_000 * 10**9
-SMOOTHED = SequenceSettings(smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
-BOTH = SMOOTHED._replace(tracked=True)
+SMOOTHED = TemporalSettings(smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
+BOTH = replace(SMOOTHED, body_ids=TRACKED)
 
 
 class Script:
@@ -58,7 +61,7 @@ def assert_same(found, expected):
 
 
 def test_nothing_is_done_unasked(answers):
-    assert_same(run(Sequence(Script(answers), SequenceSettings()), 30), answers)
+    assert_same(run(Sequence(Script(answers), TemporalSettings()), 30), answers)
 
 
 def test_numbers_first_then_smoothing(answers):
@@ -101,12 +104,12 @@ def test_reset_forgets(answers):
 
 
 def test_settings_and_estimator_change_while_it_runs(answers):
-    sequence = Sequence(Script(answers), SequenceSettings())
+    sequence = Sequence(Script(answers), TemporalSettings())
     assert_same(run(sequence, 5), answers[:5])
     sequence.settings = SMOOTHED
     first, second = run(sequence, 2, START + 5 * FRAME)
     assert_same([first], [answers[5]])  # the filter knows nothing yet
     assert not np.array_equal(second.positions, answers[6].positions, equal_nan=True)
     sequence.estimator = Script(answers)
-    sequence.settings = SequenceSettings()
+    sequence.settings = TemporalSettings()
     assert_same(run(sequence, 3, START + 7 * FRAME), answers[:3])

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.messages.markers import Drawing, MarkerStyle, skeleton_markers
+from lsc_pose_ros.messages.markers import Drawing, skeleton_markers
+from lsc_pose_ros.settings.table import DrawingSettings
 
 EDGES = np.array([[0, 1], [1, 2]], np.int32)
 
@@ -75,7 +76,7 @@ def of_bodies(skeletons, *rows):
 def test_a_drawing_deletes_each_body_that_left_once(skeletons):
     drawing = Drawing(EDGES)
     told = [
-        {(s.identifier, s.action) for s in drawing.shapes(each, MarkerStyle())}
+        {(s.identifier, s.action) for s in drawing.shapes(each, DrawingSettings())}
         for each in (
             skeletons,
             of_bodies(skeletons, 1),
@@ -89,7 +90,7 @@ def test_a_drawing_deletes_each_body_that_left_once(skeletons):
 
 
 def test_a_drawings_style(skeletons):
-    style = MarkerStyle(minimum_confidence=0.4, lifetime_ns=123)
+    style = DrawingSettings(minimum_confidence=0.4, marker_lifetime=1.5)
     shapes = Drawing(EDGES).shapes(skeletons, style)
     assert [len(s.points) for s in shapes] == [2, 2, 2, 2]
-    assert {s.lifetime_ns for s in shapes} == {123}
+    assert {s.lifetime_ns for s in shapes} == {1_500_000_000}

@@ -17,16 +17,16 @@ from lsc_pose_ros.ros.health.stream_warnings import Situation, complaints
 from lsc_pose_ros.ros.health.throttled_log import Reports
 from lsc_pose_ros.ros.io.inputs import Inputs
 from lsc_pose_ros.ros.io.messages import Pair, nanoseconds
-from lsc_pose_ros.ros.node.parameters import DECLARATIONS, Parameters
+from lsc_pose_ros.settings.table import SETTINGS, NodeSettings
 
 
-def parameters(words: list[str]) -> Parameters:
+def parameters(words: list[str]) -> NodeSettings:
     """The defaults, but for `words`."""
-    values = {name: declaration.default for name, declaration in DECLARATIONS.items()}
+    values = {name: setting.default for name, setting in SETTINGS.items()}
     for word in words:
         name, _, value = word.partition('=')
         values[name] = type(values[name])(value)
-    return Parameters(**values)
+    return NodeSettings(**values)
 
 
 def say(*words: object) -> None:

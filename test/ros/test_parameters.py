@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
@@ -20,22 +19,23 @@ from visualization_msgs.msg import Marker
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.estimation.temporal import Sequence, SequenceSettings
+from lsc_pose_ros.estimation.temporal import Sequence
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model
-from lsc_pose_ros.resources.package_files import resource
-from lsc_pose_ros.ros.node.parameters import ALWAYS, DECLARATIONS, Parameters, declare_parameters
+from lsc_pose_ros.ros.node.parameters import declare_parameters
+from lsc_pose_ros.settings.setting import Change
+from lsc_pose_ros.settings.table import SETTINGS, NodeSettings, TemporalSettings
 
 
 @pytest.fixture
-def declare() -> Iterator[Callable[..., Parameters]]:
+def declare() -> Iterator[Callable[..., NodeSettings]]:
     """Declare the parameters on a node that was started with some values."""
     context = Context()
     context.init([])
     nodes: list[Node] = []
 
-    def begin(**values: object) -> Parameters:
+    def begin(**values: object) -> NodeSettings:
         overrides = [Parameter(name, value=value) for name, value in values.items()]
         nodes.append(Node('declaring', context=context, parameter_overrides=overrides))
         return declare_parameters(nodes[-1])
@@ -46,32 +46,12 @@ def declare() -> Iterator[Callable[..., Parameters]]:
     context.try_shutdown()
 
 
-def test_the_file_explains_every_parameter_with_its_default() -> None:
-    path = resource('config', 'pose_node.yaml')
-    values = yaml.safe_load(path.read_text())['/**']['ros__parameters']
-    assert values == {name: declared.default for name, declared in DECLARATIONS.items()}
-    text = path.read_text()
-    for name, declared in DECLARATIONS.items():
-        comment = text.partition(f'\n    {name}:')[0].rpartition('\n\n')[2]
-        assert comment.count('#') > 0, name
-        for choice in declared.choices:
-            assert choice in comment, name
-        if declared.highest is not None:
-            assert str(declared.lowest) in comment, name
-            assert str(declared.highest) in comment, name
-
-
-def test_values_are_named_and_typed_as_declared() -> None:
-    kinds = Parameters.__annotations__
-    assert {name: type(declared.default) for name, declared in DECLARATIONS.items()} == kinds
-
-
-def test_defaults(declare: Callable[..., Parameters]) -> None:
+def test_defaults(declare: Callable[..., NodeSettings]) -> None:
     parameters = declare()
-    assert parameters._asdict() == {name: each.default for name, each in DECLARATIONS.items()}
+    assert parameters == NodeSettings()
 
 
-def test_values_given_at_the_start(declare: Callable[..., Parameters]) -> None:
+def test_values_given_at_the_start(declare: Callable[..., NodeSettings]) -> None:
     parameters = declare(model='a.npz', graph=False, mask_background=255, sync_slop=0.01)
     assert parameters.model == 'a.npz'
     assert parameters.graph is False
@@ -100,7 +80,7 @@ def test_values_given_at_the_start(declare: Callable[..., Parameters]) -> None:
     ],
 )
 def test_wrong_value_names_the_parameter_and_the_rule(
-    declare: Callable[..., Parameters], name: str, value: object, rule: str
+    declare: Callable[..., NodeSettings], name: str, value: object, rule: str
 ) -> None:
     with pytest.raises(InputError, match=name) as error:
         declare(**{name: value})
@@ -111,12 +91,12 @@ def test_every_parameter_is_described_to_the_tools(
     spawn_node: Callable[..., Program], services: NodeServices
 ) -> None:
     spawn_node(autostart='false')
-    for name, described in zip(DECLARATIONS, services.describe(*DECLARATIONS), strict=True):
-        declared = DECLARATIONS[name]
+    for name, described in zip(SETTINGS, services.describe(*SETTINGS), strict=True):
+        declared = SETTINGS[name]
         assert described.name == name
-        assert described.description == declared.meaning
+        assert described.description == declared.description
         assert described.read_only == (name == 'autostart'), name
-        assert declared.change in described.additional_constraints
+        assert declared.change.value in described.additional_constraints
         for choice in declared.choices:
             assert choice in described.additional_constraints, name
         ranges = [*described.floating_point_range, *described.integer_range]
@@ -169,10 +149,12 @@ WHILE_UNCONFIGURED = {
 
 def test_every_parameter_is_tried_here() -> None:
     tried = {*GOOD_AT_ANY_TIME, *WHILE_UNCONFIGURED, 'autostart'}
-    assert tried == set(DECLARATIONS)
-    changes = {name: declared.change for name, declared in DECLARATIONS.items()}
-    assert {name for name, change in changes.items() if change == ALWAYS} == set(GOOD_AT_ANY_TIME)
-    assert all(value != DECLARATIONS[name].default for name, value in WHILE_UNCONFIGURED.items())
+    assert tried == set(SETTINGS)
+    changes = {name: declared.change for name, declared in SETTINGS.items()}
+    assert {name for name, change in changes.items() if change == Change.ANY_TIME} == set(
+        GOOD_AT_ANY_TIME
+    )
+    assert all(value != SETTINGS[name].default for name, value in WHILE_UNCONFIGURED.items())
 
 
 def test_what_is_refused_and_what_is_taken_while_the_node_runs(
@@ -304,7 +286,7 @@ def test_changes_take_effect_while_the_node_runs(
     assert not services.set('smoothing_beta', 0.0)
     smooth = Sequence(
         Estimator(model),
-        SequenceSettings(smoothing=True, smoothing_cutoff=0.1, smoothing_beta=0.0),
+        TemporalSettings(smoothing=True, smoothing_cutoff=0.1, smoothing_beta=0.0),
     )
     for frame in frames[5:8]:
         expected = smooth.answer(frame.stamp, frame.depth, frame.labels, frame.camera)

@@ -32,7 +32,8 @@ from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model
-from lsc_pose_ros.segmentation.segmenter import SegmentationSettings, make_segmenter, segment
+from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
+from lsc_pose_ros.settings.table import SegmentationSettings
 
 SLOW_NODE = Path(__file__).parent / 'slow_node.py'
 DEFAULT_CAMERA = Path(__file__).parent / 'default_camera.py'

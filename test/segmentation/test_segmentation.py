@@ -17,12 +17,8 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.segmentation.background import Background, before_scene, empty_scene
 from lsc_pose_ros.segmentation.blobs import BARRIER
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
-from lsc_pose_ros.segmentation.segmenter import (
-    SegmentationSettings,
-    Segmenter,
-    make_segmenter,
-    segment,
-)
+from lsc_pose_ros.segmentation.segmenter import Segmenter, make_segmenter, segment
+from lsc_pose_ros.settings.table import SegmentationSettings
 
 RANGE = 0.4, 5.0
 FRAME = 33_333_333
@@ -259,7 +255,8 @@ from room_scene import Person, Room, look
 from lsc_pose_ros.segmentation import background
 from lsc_pose_ros.segmentation import blobs
 from lsc_pose_ros.segmentation import background_planes as room
-from lsc_pose_ros.segmentation.segmenter import SegmentationSettings, make_segmenter, segment
+from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
+from lsc_pose_ros.settings.table import SegmentationSettings
 from lsc_pose_ros.estimation.warm_up import warm_up_segmenter
 
 def compiled():

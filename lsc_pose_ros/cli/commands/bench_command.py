@@ -8,8 +8,8 @@ from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
 from lsc_pose_ros.cli.options.frame_selection import spread
 from lsc_pose_ros.cli.options.image_size import image_size
-from lsc_pose_ros.cli.options.model_option import add_model_argument
 from lsc_pose_ros.cli.options.numbers import positive_int
+from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.bench_results import bench_results, bench_table
 from lsc_pose_ros.cli.output.json_file import write_json
@@ -47,7 +47,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='RECORDING',
         help='frames to time: an .mcap or .db3 file, or a bag folder (default: synthetic people)',
     )
-    add_model_argument(parser, 'where none does, a small one is trained on synthetic people')
+    add_setting_options(
+        parser,
+        'model',
+        note='if the package has none, a small one is trained on synthetic people',
+    )
     parser.add_argument(
         '--frames',
         type=positive_int,

@@ -5,8 +5,9 @@ from pathlib import Path
 
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import open_recordings, read_frames
-from lsc_pose_ros.cli.options.model_option import add_model_argument
-from lsc_pose_ros.cli.options.numbers import positive_float, positive_int
+from lsc_pose_ros.cli.options.estimation_options import estimator_from
+from lsc_pose_ros.cli.options.numbers import positive_float
+from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments
 from lsc_pose_ros.cli.output.evaluation_results import (
     Asked,
@@ -20,7 +21,6 @@ from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, select, summarise
 from lsc_pose_ros.evaluation.offsets import fit_offsets
-from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
 
@@ -36,18 +36,7 @@ _RECORDING_SUFFIXES = {'.mcap', '.db3', '.zstd'}
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the command's arguments to `parser`."""
     _add_what_is_measured(parser)
-    parser.add_argument(
-        '--no-graph',
-        dest='graph',
-        action='store_false',
-        help='take each joint by itself, without the pictorial structure',
-    )
-    parser.add_argument(
-        '--query-points',
-        type=positive_int,
-        metavar='N',
-        help='how many silhouette points vote (default: as the model says)',
-    )
+    add_setting_options(parser, 'graph', 'query_points')
     parser.add_argument(
         '--tolerance',
         type=positive_float,
@@ -94,7 +83,7 @@ def _add_what_is_measured(parser: argparse.ArgumentParser) -> None:
     )
     # The first word may be the only recording.
     recordings.required = False
-    add_model_argument(parser)
+    add_setting_options(parser, 'model')
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -104,11 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: the model or a recording cannot be used, or nothing is labelled.
     """
     path, recordings = _model_and_recordings(arguments)
-    model = load_model(path)
-    if arguments.query_points:
-        settings = model.settings._replace(query_points=arguments.query_points)
-        model = model._replace(settings=settings)
-    estimator = Estimator(model, graph=arguments.graph)
+    estimator = estimator_from(arguments, path)
     readers = open_recordings(arguments, recordings)
     others = open_recordings(arguments, arguments.offsets_from or [])
     measured = _measure(arguments, estimator, readers, others)

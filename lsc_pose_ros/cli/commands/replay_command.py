@@ -8,18 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.estimation import answer_frames
-from lsc_pose_ros.cli.options.estimation_options import (
-    add_answer_arguments,
-    segmenter_of,
-    sequence_of,
-    style_of,
-)
+from lsc_pose_ros.cli.options.estimation_options import add_estimation_options, sequence_from
 from lsc_pose_ros.cli.options.numbers import positive_float
+from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.requirements import load_with_ros
-from lsc_pose_ros.segmentation.segmenter import MASK
+from lsc_pose_ros.segmentation.segmenter import make_segmenter
+from lsc_pose_ros.settings.table import MASK, DrawingSettings, SegmentationSettings
 
 if TYPE_CHECKING:
     from lsc_pose_ros.ros.playback.player import Player  # needs rclpy, which only --publish loads
@@ -47,7 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '-o', '--output', type=Path, metavar='OUT', help='estimate, and write to OUT.mcap'
     )
     purpose.add_argument('--publish', action='store_true', help='publish over ROS 2')
-    add_answer_arguments(
+    add_estimation_options(
         parser.add_argument_group('with -o', 'The parameters of pose_node have the same names.')
     )
     _add_publish_arguments(parser.add_argument_group('with --publish'))
@@ -111,13 +108,14 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
     if output.exists() and output.samefile(arguments.recording):
         msg = f'{output} is the recording itself; choose another name with -o'
         raise InputError(msg)
-    segmenter = segmenter_of(arguments)
+    segmenter = make_segmenter(settings_from(arguments, SegmentationSettings))
     if segmenter is not None:
         reader.topics = reader.topics._replace(mask='')  # frames need not wait for masks
-    sequence = sequence_of(arguments)
+    sequence = sequence_from(arguments)
     frames = bodies = 0
     with RecordingWriter(output) as writer:
-        answers = answer_frames(reader, sequence, writer, segmenter, style_of(arguments))
+        drawing = settings_from(arguments, DrawingSettings)
+        answers = answer_frames(reader, sequence, writer, segmenter, drawing)
         for skeletons in progress(answers, reader.count, 'estimating'):
             frames += 1
             bodies += len(skeletons.bodies)

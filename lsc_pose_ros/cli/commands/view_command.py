@@ -8,8 +8,8 @@ from pathlib import Path
 from lsc_pose_ros.bags import FrameReader, open_recording, read_messages
 from lsc_pose_ros.cli.input.recorded_skeletons import find_skeletons_topic, read_skeletons_at
 from lsc_pose_ros.cli.options.frame_selection import Numbered, pick, spread
-from lsc_pose_ros.cli.options.model_option import add_model_argument
 from lsc_pose_ros.cli.options.numbers import positive_int
+from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -97,8 +97,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _add_skeleton_arguments(group: argparse._ArgumentGroup) -> None:
     source = group.add_mutually_exclusive_group()
-    add_model_argument(
-        source, 'with --stages, and where the recording holds no skeletons, not even true ones'
+    add_setting_options(
+        source,
+        'model',
+        note='used with --stages, or if the recording has no skeletons, not even ground truth',
     )
     source.add_argument(
         '--skeletons-topic',
@@ -107,12 +109,7 @@ def _add_skeleton_arguments(group: argparse._ArgumentGroup) -> None:
         help='draw the skeletons that the recording holds there (default: without --model, those '
         'of a topic called skeletons)',
     )
-    group.add_argument(
-        '--no-graph',
-        dest='graph',
-        action='store_false',
-        help='take each joint by itself, without the pictorial structure',
-    )
+    add_setting_options(group, 'graph')
 
 
 def _has_default_model() -> bool:

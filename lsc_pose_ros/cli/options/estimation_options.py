@@ -1,172 +1,59 @@
-"""The arguments of how a recording is answered: the node's parameters, by the same names."""
+"""The options for estimating a recording: the node's parameters, with the same names."""
 
 import argparse
+from pathlib import Path
 
-from lsc_pose_ros.cli.options.model_option import add_model_argument
-from lsc_pose_ros.cli.options.numbers import float_from_zero, positive_float, positive_int
-from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.estimation.temporal import Sequence, SequenceSettings
-from lsc_pose_ros.messages.markers import LIFETIME_NS, MarkerStyle
+from lsc_pose_ros.cli.options.setting_options import (
+    add_group_options,
+    add_setting_options,
+    settings_from,
+)
+from lsc_pose_ros.estimation.model_settings import make_estimator
+from lsc_pose_ros.estimation.temporal import Sequence
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
-from lsc_pose_ros.segmentation.segmenter import (
-    MASK,
-    SEGMENTATIONS,
+from lsc_pose_ros.settings.setting import settings_of
+from lsc_pose_ros.settings.table import (
+    SETTINGS,
+    DrawingSettings,
+    ModelSettings,
     SegmentationSettings,
-    Segmenter,
-    make_segmenter,
+    TemporalSettings,
 )
 
-_TRACKED = 'tracked'
-_BODY_IDS = (MASK, _TRACKED)
-
-_SECOND_NS = 1_000_000_000
-
-# As the node's parameter query_points.
-_FEWEST_QUERY_POINTS = 10
+# Among the options for the topics of a recording, which all commands have that read one.
+_TOPIC_OPTIONS = frozenset({'mask_background'})
 
 
-def add_answer_arguments(group: argparse._ArgumentGroup) -> None:
-    """Add all arguments of the answers to `group`."""
-    add_model_argument(group)
-    group.add_argument(
-        '--no-graph',
-        dest='graph',
-        action='store_false',
-        help='take each joint by itself, without the pictorial structure',
-    )
-    group.add_argument(
-        '--query-points',
-        type=positive_int,
-        metavar='N',
-        help='how many silhouette points vote (default: as the model says)',
-    )
-    _add_segmentation_arguments(group)
-    _add_sequence_arguments(group)
-    _add_marker_arguments(group)
+def add_estimation_options(group: argparse._ArgumentGroup) -> None:
+    """Add the options of all settings that decide how a recording is estimated."""
+    add_group_options(group, ModelSettings)
+    names = [name for name in settings_of(SegmentationSettings) if name not in _TOPIC_OPTIONS]
+    add_setting_options(group, *names)
+    add_group_options(group, TemporalSettings)
+    add_group_options(group, DrawingSettings)
 
 
-def sequence_of(arguments: argparse.Namespace) -> Sequence:
-    """Return what answers the frames as `arguments` ask for it.
+def estimator_from(arguments: argparse.Namespace, path: Path) -> Estimator:
+    """Return the estimator that `arguments` ask for.
+
+    Args:
+        arguments: the command line.
+        path: the model file.
 
     Raises:
         InputError: the model cannot be used, or has fewer points than shall vote.
     """
-    model = load_model(find_model(arguments.model))
-    settings = model.settings
-    if arguments.query_points is not None:
-        if not _FEWEST_QUERY_POINTS <= arguments.query_points <= settings.points:
-            msg = (
-                f'--query-points: {arguments.query_points} cannot be used; it must be from '
-                f'{_FEWEST_QUERY_POINTS} to {settings.points}, the points that the model was '
-                'trained with'
-            )
-            raise InputError(msg)
-        settings = settings._replace(query_points=arguments.query_points)
-    return Sequence(
-        Estimator(model._replace(settings=settings), graph=arguments.graph),
-        SequenceSettings(
-            smoothing=arguments.smoothing,
-            smoothing_cutoff=arguments.smoothing_cutoff,
-            smoothing_beta=arguments.smoothing_beta,
-            tracked=arguments.body_ids == _TRACKED,
-        ),
-    )
+    settings = settings_from(arguments, ModelSettings)
+    return make_estimator(load_model(path), settings, SETTINGS['query_points'].option)
 
 
-def segmenter_of(arguments: argparse.Namespace) -> Segmenter | None:
-    """Return what finds the bodies as `arguments` ask for it, None for the recording's masks.
+def sequence_from(arguments: argparse.Namespace) -> Sequence:
+    """Return the estimation of consecutive frames that `arguments` ask for.
 
     Raises:
-        InputError: the range is empty.
+        InputError: as `estimator_from`.
     """
-    return make_segmenter(
-        SegmentationSettings(
-            segmentation=arguments.segmentation,
-            range_min=arguments.range_min,
-            range_max=arguments.range_max,
-            background_seconds=arguments.background_seconds,
-            background_margin=arguments.background_margin,
-        )
-    )
-
-
-def style_of(arguments: argparse.Namespace) -> MarkerStyle:
-    """Return how skeletons are drawn as `arguments` ask for it."""
-    return MarkerStyle(arguments.minimum_confidence, round(arguments.marker_lifetime * _SECOND_NS))
-
-
-def _add_segmentation_arguments(group: argparse._ArgumentGroup) -> None:
-    default = SegmentationSettings()
-    group.add_argument(
-        '--segmentation',
-        choices=SEGMENTATIONS,
-        default=default.segmentation,
-        help='where bodies come from: the masks, what is nearer than the empty scene, or the '
-        'nearest blob (default: %(default)s)',
-    )
-    for name, value, what in (
-        ('--range-min', default.range_min, 'without masks, what is nearer is no body'),
-        ('--range-max', default.range_max, 'without masks, what is farther is no body'),
-        ('--background-margin', default.background_margin, 'nearer than the scene by so much'),
-    ):
-        group.add_argument(
-            name,
-            type=float_from_zero,
-            default=value,
-            metavar='METRES',
-            help=f'{what} (default: %(default)s)',
-        )
-    group.add_argument(
-        '--background-seconds',
-        type=float_from_zero,
-        default=default.background_seconds,
-        metavar='SECONDS',
-        help='how long the recording shows the empty scene first (default: %(default)s)',
-    )
-
-
-def _add_sequence_arguments(group: argparse._ArgumentGroup) -> None:
-    default = SequenceSettings()
-    group.add_argument(
-        '--body-ids',
-        choices=_BODY_IDS,
-        default=MASK,
-        help="a body's number: its mask's, or one that it keeps while masks renumber the bodies "
-        '(default: %(default)s)',
-    )
-    group.add_argument(
-        '--smoothing', action='store_true', help='smooth the joints over time (One-Euro filter)'
-    )
-    group.add_argument(
-        '--smoothing-cutoff',
-        type=positive_float,
-        default=default.smoothing_cutoff,
-        metavar='HZ',
-        help="the filter's cutoff frequency for a joint at rest (default: %(default)s)",
-    )
-    group.add_argument(
-        '--smoothing-beta',
-        type=float_from_zero,
-        default=default.smoothing_beta,
-        metavar='PER_METRE',
-        help="by how much the cutoff rises with a joint's speed (default: %(default)s)",
-    )
-
-
-def _add_marker_arguments(group: argparse._ArgumentGroup) -> None:
-    group.add_argument(
-        '--minimum-confidence',
-        type=float_from_zero,
-        default=MarkerStyle().minimum_confidence,
-        metavar='SHARE',
-        help='joints below it are left out of the markers (default: %(default)s)',
-    )
-    group.add_argument(
-        '--marker-lifetime',
-        type=float_from_zero,
-        default=LIFETIME_NS / _SECOND_NS,
-        metavar='SECONDS',
-        help='how long a marker stays that is not renewed (default: %(default)s)',
-    )
+    estimator = estimator_from(arguments, find_model(arguments.model))
+    return Sequence(estimator, settings_from(arguments, TemporalSettings))

@@ -2,6 +2,7 @@
 
 import argparse
 import math
+from collections.abc import Callable
 
 
 def positive_int(word: str) -> int:
@@ -18,6 +19,29 @@ def positive_int(word: str) -> int:
         msg = f'{word!r} is not a whole number above 0'
         raise argparse.ArgumentTypeError(msg)
     return value
+
+
+def number_between(kind: type, lowest: float, highest: float) -> Callable[[str], int | float]:
+    """Return what converts a word to a number from `lowest` to `highest`.
+
+    Args:
+        kind: int or float.
+        lowest: the smallest number that is accepted.
+        highest: the largest number that is accepted.
+    """
+
+    def convert(word: str) -> int | float:
+        try:
+            value = int(word) if kind is int else float(word)
+        except ValueError:
+            value = math.nan
+        if not lowest <= value <= highest:  # NaN, too
+            noun = 'whole number' if kind is int else 'number'
+            msg = f'{word!r} is not a {noun} from {lowest} to {highest}'
+            raise argparse.ArgumentTypeError(msg)
+        return value
+
+    return convert
 
 
 def finite_float(word: str) -> float:

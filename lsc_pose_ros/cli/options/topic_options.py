@@ -3,6 +3,7 @@
 import argparse
 
 from lsc_pose_ros.bags.topics import Topics
+from lsc_pose_ros.cli.options.setting_options import add_setting_options
 
 _TOPICS = {
     'depth': 'depth images',
@@ -22,13 +23,7 @@ def add_topic_arguments(parser: argparse.ArgumentParser) -> None:
             metavar='TOPIC',
             help=f'the {what} (default: found by type and name)',
         )
-    group.add_argument(
-        '--mask-background',
-        type=int,
-        default=0,
-        metavar='VALUE',
-        help='the mask pixel that shows no body; 255 for Azure Kinect (default: %(default)s)',
-    )
+    add_setting_options(group, 'mask_background')
 
 
 def topics_of(arguments: argparse.Namespace) -> Topics:

@@ -10,7 +10,7 @@ from lsc_pose_ros.ros.health.stream_warnings import Counters, TopicNames
 from lsc_pose_ros.ros.health.throttled_log import Reports
 from lsc_pose_ros.ros.io.messages import NANOSECONDS, AnyImage, Pair, nanoseconds
 from lsc_pose_ros.ros.io.subscription import IMAGE_QUEUE_DEPTH, Subscribed, Wanted
-from lsc_pose_ros.ros.node.parameters import Parameters
+from lsc_pose_ros.settings.table import MASK, NodeSettings
 from lsc_pose_ros.synchronization.synchronizer import Gathering, PairingSettings
 
 # How often publishers are looked for, seconds.
@@ -31,7 +31,7 @@ class Inputs:
     def __init__(
         self,
         node: Node,
-        parameters: Parameters,
+        parameters: NodeSettings,
         reports: Reports,
         deliver: Callable[[Pair], None],
     ) -> None:
@@ -44,7 +44,7 @@ class Inputs:
             deliver: called with each pair, in the executor's thread.
         """
         self._node = node
-        with_masks = parameters.segmentation == 'mask'
+        with_masks = parameters.segmentation == MASK
         self.gathering: Gathering[AnyImage, AnyImage, CameraInfo] = Gathering(
             PairingSettings(
                 round(parameters.sync_slop * NANOSECONDS), parameters.sync_queue, with_masks

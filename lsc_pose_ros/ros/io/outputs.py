@@ -10,11 +10,10 @@ from visualization_msgs.msg import MarkerArray
 
 from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.messages.markers import Drawing, MarkerStyle
+from lsc_pose_ros.messages.markers import Drawing
 from lsc_pose_ros.messages.transforms import skeleton_transforms, transforms_message
-from lsc_pose_ros.ros.io.messages import NANOSECONDS
 from lsc_pose_ros.ros.io.transforms import Transforms
-from lsc_pose_ros.ros.node.parameters import Parameters
+from lsc_pose_ros.settings.table import NodeSettings
 
 if TYPE_CHECKING:
     from rclpy.publisher import Publisher
@@ -30,7 +29,7 @@ class Outputs:
         parameters: the node's; may be replaced at any time, from any thread.
     """
 
-    def __init__(self, node: Node, parameters: Parameters, edges: NDArray[np.int32]) -> None:
+    def __init__(self, node: Node, parameters: NodeSettings, edges: NDArray[np.int32]) -> None:
         """Prepare; nothing is advertised before `open`.
 
         Args:
@@ -69,7 +68,7 @@ class Outputs:
     def rehearse(self, skeletons: Skeletons) -> None:
         """Do all that `publish` does, but publish nothing: the first time takes far longer."""
         skeletons_message(0, '', skeletons)
-        markers_message(0, '', Drawing(self._edges).shapes(skeletons, self._style()))
+        markers_message(0, '', Drawing(self._edges).shapes(skeletons, self.parameters))
         transforms_message(0, skeleton_transforms(skeletons, ''))
 
     def publish(self, stamp: int, frame_id: str, skeletons: Skeletons) -> None:
@@ -85,15 +84,9 @@ class Outputs:
         if self._skeletons is None or self._markers is None:
             return
         self._skeletons.publish(skeletons_message(stamp, frame_id, skeletons))
-        shapes = self._drawing.shapes(skeletons, self._style())
+        shapes = self._drawing.shapes(skeletons, self.parameters)
         self._markers.publish(markers_message(stamp, frame_id, shapes))
         if self._transforms is not None:
             self._transforms.publish(
                 stamp, frame_id, skeletons, self.parameters.minimum_confidence
             )
-
-    def _style(self) -> MarkerStyle:
-        parameters = self.parameters
-        return MarkerStyle(
-            parameters.minimum_confidence, round(parameters.marker_lifetime * NANOSECONDS)
-        )

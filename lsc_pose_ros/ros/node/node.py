@@ -11,7 +11,7 @@ from rclpy.parameter import Parameter
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.node.background_task import run_aside
-from lsc_pose_ros.ros.node.parameter_rules import objection_to, with_whole_numbers
+from lsc_pose_ros.ros.node.parameter_rules import integers_as_doubles, refusal
 from lsc_pose_ros.ros.node.parameters import declare_parameters, read_parameters
 from lsc_pose_ros.ros.node.pipeline import Activity
 from lsc_pose_ros.ros.node.preparation import Prepared, prepare
@@ -44,7 +44,7 @@ class PoseNode(LifecycleNode):
         self._activity: Activity | None = None
         self._trouble: Exception | None = None
         self._starting = False
-        self.add_pre_set_parameters_callback(with_whole_numbers)
+        self.add_pre_set_parameters_callback(integers_as_doubles)
         self.add_on_set_parameters_callback(self._judge)
         self.add_post_set_parameters_callback(self._adopt)
 
@@ -147,12 +147,12 @@ class PoseNode(LifecycleNode):
 
     def _judge(self, changes: Iterable[Parameter]) -> SetParametersResult:
         prepared = self._prepared
-        objection = objection_to(
+        reason = refusal(
             changes,
             configured=prepared is not None,
             points=prepared.model.settings.points if prepared is not None else 0,
         )
-        return SetParametersResult(successful=not objection, reason=objection)
+        return SetParametersResult(successful=not reason, reason=reason)
 
     def _adopt(self, _changes: Iterable[Parameter]) -> None:
         if self._activity is not None:

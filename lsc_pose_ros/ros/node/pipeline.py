@@ -13,11 +13,10 @@ from lsc_pose_ros.ros.health.stream_warnings import Counters, Situation, complai
 from lsc_pose_ros.ros.health.throttled_log import Reports
 from lsc_pose_ros.ros.io.inputs import Inputs
 from lsc_pose_ros.ros.io.messages import Pair, frame_of
-from lsc_pose_ros.ros.node.estimation_settings import segmentation_settings, sequence_settings
-from lsc_pose_ros.ros.node.parameters import Parameters
 from lsc_pose_ros.ros.node.preparation import Prepared
 from lsc_pose_ros.ros.node.worker import Worker
 from lsc_pose_ros.segmentation.segmenter import make_segmenter
+from lsc_pose_ros.settings.table import NodeSettings
 
 WATCH_PERIOD = 5.0
 
@@ -35,7 +34,7 @@ class Activity:
         inputs: what is listened to.
     """
 
-    def __init__(self, node: Node, parameters: Parameters, prepared: Prepared) -> None:
+    def __init__(self, node: Node, parameters: NodeSettings, prepared: Prepared) -> None:
         """Begin.
 
         Args:
@@ -51,8 +50,8 @@ class Activity:
         self._prepared = prepared
         self._reports = Reports(node.get_logger())
         self._reminders = Reports(node.get_logger(), REMINDER_PERIOD)
-        self._sequence = Sequence(prepared.estimator(parameters), sequence_settings(parameters))
-        self._segmenter = make_segmenter(segmentation_settings(parameters))
+        self._sequence = Sequence(prepared.estimator(parameters), parameters)
+        self._segmenter = make_segmenter(parameters)
         self._ready = True
         self._tell_what_is_learnt()
         self._outputs = prepared.outputs
@@ -67,11 +66,11 @@ class Activity:
         self._timer = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
         self._worker.start()
 
-    def change(self, parameters: Parameters) -> None:
+    def change(self, parameters: NodeSettings) -> None:
         """Go on with other values of the parameters that can be changed at any time."""
         before, self._parameters = self._parameters, parameters
         self._outputs.parameters = parameters
-        self._sequence.settings = sequence_settings(parameters)
+        self._sequence.settings = parameters
         if parameters.query_points != before.query_points:
             self._sequence.estimator = self._prepared.estimator(parameters)
         if parameters.sync_slop != before.sync_slop:

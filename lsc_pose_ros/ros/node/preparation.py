@@ -9,6 +9,7 @@ from typing import NamedTuple
 from rclpy.node import Node
 
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.estimation.model_settings import make_estimator
 from lsc_pose_ros.estimation.warm_up import warm_up, warm_up_segmenter
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.numerics.kernel_cache import describe_cache
@@ -16,10 +17,8 @@ from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.resources.package_files import find_model
 from lsc_pose_ros.ros.io.outputs import Outputs
-from lsc_pose_ros.ros.node.estimation_settings import segmentation_settings
-from lsc_pose_ros.ros.node.parameter_rules import bad_query_points
-from lsc_pose_ros.ros.node.parameters import Parameters
 from lsc_pose_ros.segmentation.segmenter import make_segmenter
+from lsc_pose_ros.settings.table import NodeSettings
 
 # Kernels that are kept on disk are ready within this time, seconds.
 QUICK_START = 3.0
@@ -36,15 +35,12 @@ class Prepared(NamedTuple):
     model: Model
     outputs: Outputs
 
-    def estimator(self, parameters: Parameters) -> Estimator:
+    def estimator(self, parameters: NodeSettings) -> Estimator:
         """Return an estimator as `parameters` ask for it."""
-        settings = self.model.settings
-        if parameters.query_points:
-            settings = settings._replace(query_points=parameters.query_points)
-        return Estimator(self.model._replace(settings=settings), graph=parameters.graph)
+        return make_estimator(self.model, parameters, 'parameter query_points')
 
 
-def prepare(node: Node, parameters: Parameters) -> Prepared:
+def prepare(node: Node, parameters: NodeSettings) -> Prepared:
     """Load the model, and do once all that an answer takes: the first time takes far longer.
 
     Args:
@@ -54,14 +50,12 @@ def prepare(node: Node, parameters: Parameters) -> Prepared:
     Raises:
         InputError: the parameters do not go together, or the model cannot be used.
     """
-    segmenter = make_segmenter(segmentation_settings(parameters))
+    segmenter = make_segmenter(parameters)
     model = _load(parameters.model)
-    objection = bad_query_points(parameters.query_points, model.settings.points)
-    if objection:
-        raise InputError(objection)
     prepared = Prepared(model, Outputs(node, parameters, model.edges))
+    estimator = prepared.estimator(parameters)
     with _told_if_it_takes_long(node):
-        prepared.outputs.rehearse(warm_up(prepared.estimator(parameters)))
+        prepared.outputs.rehearse(warm_up(estimator))
         if segmenter is not None:
             warm_up_segmenter(segmenter, parameters.background_seconds)
     return prepared

@@ -1,0 +1,43 @@
+"""Makes the estimator that the settings ask for."""
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.settings.table import ModelSettings
+
+FEWEST_QUERY_POINTS = 10
+"""With fewer votes than these, a density has no clear mode."""
+
+
+def make_estimator(model: Model, settings: ModelSettings, name: str) -> Estimator:
+    """Return the estimator with `model`.
+
+    Args:
+        model: the model that `settings` names.
+        settings: how to estimate.
+        name: what the user calls `query_points`, for the error.
+
+    Raises:
+        InputError: the model has fewer points than shall vote.
+    """
+    changed = model.settings
+    if settings.query_points:
+        reason = query_points_refusal(settings.query_points, changed.points)
+        if reason:
+            msg = f'{name}: {reason}'
+            raise InputError(msg)
+        changed = changed._replace(query_points=settings.query_points)
+    return Estimator(model._replace(settings=changed), graph=settings.graph)
+
+
+def query_points_refusal(query_points: int, points: int) -> str:
+    """Return why so many points cannot vote; empty if they can.
+
+    Args:
+        query_points: how many points shall vote, 0 for the number that the model names.
+        points: how many points a silhouette has, 0 if no model is loaded.
+    """
+    if query_points == 0 or FEWEST_QUERY_POINTS <= query_points <= (points or query_points):
+        return ''
+    most = f'{points}, the points that the model was trained with' if points else 'more'
+    return f'{query_points} cannot be used; it must be 0 or from {FEWEST_QUERY_POINTS} to {most}'

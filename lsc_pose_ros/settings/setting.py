@@ -1,0 +1,113 @@
+"""Declares a setting: a dataclass field with its description, unit, range and choices."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from enum import Enum
+from typing import TypeAlias, TypeVar
+
+Value: TypeAlias = str | bool | int | float
+
+ValueType = TypeVar('ValueType', str, bool, int, float)
+
+_METADATA_KEY = 'setting'
+
+# The names that ROS 2 gives to the types of parameters.
+_TYPE_NAMES = {bool: 'bool', int: 'integer', float: 'double', str: 'string'}
+
+
+class Change(Enum):
+    """When the value of a setting can change, as the end of a sentence."""
+
+    ANY_TIME = 'at any time'
+    UNCONFIGURED = 'while the node is unconfigured'
+    START = 'only when the node starts'
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a setting means and which values it can have.
+
+    Attributes:
+        name: the name of the ROS parameter; the command-line option has `-` for each `_`.
+        default: the value if none is given; it has the type of the setting.
+        description: one sentence.
+        unit: the unit in words, empty for none.
+        lowest: the smallest value of a number, None for no limit.
+        highest: the largest value of a number, None for no limit.
+        choices: the values of a text and what each means; empty if any text is allowed.
+        change: when a running node accepts another value.
+        command_line: whether the commands that estimate have the setting as an option.
+        details: more sentences for `pose_node.yaml`.
+    """
+
+    name: str
+    default: Value
+    description: str
+    unit: str
+    lowest: float | None
+    highest: float | None
+    choices: Mapping[str, str]
+    change: Change
+    command_line: bool
+    details: str
+
+    @property
+    def type_name(self) -> str:
+        """The type, as ROS 2 names it: bool, integer, double or string."""
+        return _TYPE_NAMES[type(self.default)]
+
+    @property
+    def option(self) -> str:
+        """The command-line option."""
+        return f'--{self.name.replace("_", "-")}'
+
+    @property
+    def rule(self) -> str:
+        """What a value must be, as the end of a sentence."""
+        if self.choices:
+            return f'it must be {" or ".join(self.choices)}'
+        point = ', written with a decimal point' if isinstance(self.default, float) else ''
+        if self.lowest is None:
+            return f'it must be of type {self.type_name}'
+        return f'it must be of type {self.type_name}{point}, from {self.lowest} to {self.highest}'
+
+    def unknown_choice(self, value: object) -> str:
+        """Return why `value` is none of the choices; empty if it is one or there are none."""
+        if not self.choices or value in self.choices:
+            return ''
+        return f'parameter {self.name}: {value!r} is not known; {self.rule}'
+
+
+def setting(
+    default: ValueType,
+    description: str,
+    *,
+    unit: str = '',
+    lowest: float | None = None,
+    highest: float | None = None,
+    choices: Mapping[str, str] | None = None,
+    change: Change = Change.UNCONFIGURED,
+    command_line: bool = True,
+    details: str = '',
+) -> ValueType:
+    """Return a dataclass field that declares a setting; the arguments are those of Setting."""
+    declared = Setting(
+        name='',  # the field does not know it yet
+        default=default,
+        description=description,
+        unit=unit,
+        lowest=lowest,
+        highest=highest,
+        choices=choices or {},
+        change=change,
+        command_line=command_line,
+        details=details,
+    )
+    return field(default=default, metadata={_METADATA_KEY: declared})
+
+
+def settings_of(group: type) -> dict[str, Setting]:
+    """Return the settings of a dataclass by their names, in the order of its fields."""
+    return {
+        each.name: replace(each.metadata[_METADATA_KEY], name=each.name) for each in fields(group)
+    }

@@ -1,0 +1,294 @@
+"""The table of settings. Nothing else declares a name, default, range or description."""
+
+from dataclasses import dataclass
+
+from lsc_pose_ros.settings.setting import Change, Setting, setting, settings_of
+
+MASK = 'mask'
+BACKGROUND = 'background'
+NEAREST = 'nearest'
+
+TRACKED = 'tracked'
+
+RAW = 'raw'
+COMPRESSED = 'compressed'
+COMPRESSED_DEPTH = 'compressedDepth'
+
+AUTO = 'auto'
+BEST_EFFORT = 'best_effort'
+RELIABLE = 'reliable'
+
+
+@dataclass(frozen=True)
+class StartSettings:
+    """What the node does when it starts."""
+
+    autostart: bool = setting(
+        default=True,
+        description='Configure and activate the node when it starts.',
+        change=Change.START,
+        command_line=False,
+        details='true: the node estimates as soon as it is started, and ends if it cannot use a '
+        'parameter or the model. false: it waits for `ros2 lifecycle set /pose_node configure`, '
+        'then `activate`.',
+    )
+
+
+@dataclass(frozen=True)
+class ModelSettings:
+    """Which model estimates the joints, and how."""
+
+    model: str = setting(
+        '',
+        'Path of a model file, or the name of a model that comes with the package; empty for the '
+        'default model.',
+        details='`lsc_pose train` writes model files. The joints that the model estimates are in '
+        'the read-only parameter joint_names while the node is configured.',
+    )
+    graph: bool = setting(
+        default=True,
+        description='Estimate the joints of a body together, connected by its limbs.',
+        details="The graph is the paper's eq. 16 and 17. false: each joint is estimated alone, "
+        'which is faster and a little less accurate.',
+    )
+    query_points: int = setting(
+        0,
+        'Number of silhouette points that vote, 10 or more; 0 for the number that the model '
+        'names.',
+        lowest=0,
+        highest=10000,
+        change=Change.ANY_TIME,
+        details='Fewer points are faster and less accurate. The largest number is that of the '
+        'points that the model was trained with.',
+    )
+
+
+@dataclass(frozen=True)
+class SegmentationSettings:
+    """How bodies are separated from what is behind them."""
+
+    segmentation: str = setting(
+        MASK,
+        'How a body is separated from what is behind it.',
+        choices={
+            MASK: 'a mask image, which another program publishes, shows the bodies.',
+            BACKGROUND: 'no mask is needed. The camera stands still and sees the scene without '
+            'people for background_seconds; a body is what appears in front of it later.',
+            NEAREST: 'no mask is needed. A body is the nearest object of the size of a person.',
+        },
+    )
+    range_min: float = setting(
+        0.4,
+        'Smallest depth of a body, without a mask.',
+        unit='metres',
+        lowest=0.0,
+        highest=20.0,
+        details='Used with segmentation background or nearest. It must be below range_max.',
+    )
+    range_max: float = setting(
+        5.0,
+        'Largest depth of a body, without a mask.',
+        unit='metres',
+        lowest=0.0,
+        highest=20.0,
+        details='See range_min.',
+    )
+    background_seconds: float = setting(
+        2.0,
+        'How long the empty scene is learnt.',
+        unit='seconds',
+        lowest=0.1,
+        highest=60.0,
+        details='Used with segmentation background. The time starts when the node is activated.',
+    )
+    background_margin: float = setting(
+        0.1,
+        'By how much a body must be nearer than the empty scene.',
+        unit='metres',
+        lowest=0.01,
+        highest=2.0,
+        details="Used with segmentation background. Choose more than the noise of the camera's "
+        'depth.',
+    )
+    mask_background: int = setting(
+        0,
+        'Pixel value of the mask that shows no body; 255 for Azure Kinect.',
+        lowest=0,
+        highest=65535,
+    )
+
+
+@dataclass(frozen=True)
+class TemporalSettings:
+    """How the estimates of consecutive frames are connected."""
+
+    body_ids: str = setting(
+        MASK,
+        'Where the numbers of the bodies come from.',
+        choices={
+            MASK: 'the number of a body is the value of its pixels in the mask.',
+            TRACKED: 'the node tracks the bodies, and each keeps its number. For segmentations '
+            'that number the bodies differently in each image.',
+        },
+    )
+    smoothing: bool = setting(
+        default=False,
+        description='Smooth the joints over time with a One-Euro filter.',
+        change=Change.ANY_TIME,
+    )
+    smoothing_cutoff: float = setting(
+        1.0,
+        'Cutoff frequency of the filter for a joint at rest.',
+        unit='hertz',
+        lowest=0.01,
+        highest=100.0,
+        change=Change.ANY_TIME,
+        details='Lower values remove more jitter; higher values reduce the delay.',
+    )
+    smoothing_beta: float = setting(
+        8.0,
+        'How much the cutoff frequency rises with the speed of a joint.',
+        unit='per metre',
+        lowest=0.0,
+        highest=100.0,
+        change=Change.ANY_TIME,
+        details='Higher values reduce the delay of fast movements.',
+    )
+
+    @property
+    def tracked(self) -> bool:
+        """Whether the bodies are tracked from frame to frame."""
+        return self.body_ids == TRACKED
+
+
+@dataclass(frozen=True)
+class TopicSettings:
+    """How the node subscribes, and how it synchronizes depth images and masks."""
+
+    depth_transport: str = setting(
+        RAW,
+        'Transport of the depth images.',
+        command_line=False,
+        choices={
+            RAW: 'sensor_msgs/Image on depth/image.',
+            COMPRESSED_DEPTH: 'sensor_msgs/CompressedImage on depth/image/compressedDepth, PNG '
+            'or RVL.',
+        },
+    )
+    mask_transport: str = setting(
+        RAW,
+        'Transport of the masks.',
+        command_line=False,
+        choices={
+            RAW: 'sensor_msgs/Image on mask.',
+            COMPRESSED: 'sensor_msgs/CompressedImage on mask/compressed, PNG. JPEG would change '
+            'the numbers of the bodies.',
+        },
+    )
+    reliability: str = setting(
+        AUTO,
+        'Reliability of the subscriptions.',
+        command_line=False,
+        choices={
+            AUTO: 'reliable if all publishers of a topic offer it, otherwise best_effort.',
+            BEST_EFFORT: 'receives from every publisher and does not wait for lost images. With '
+            'the default settings of Fast DDS most large images are lost; the profile '
+            'config/fastdds_profile.xml prevents that.',
+            RELIABLE: 'loses no image, but receives nothing from publishers that offer best '
+            'effort only, as many camera drivers do.',
+        },
+    )
+    sync_slop: float = setting(
+        0.0,
+        'Largest difference between the stamps of a depth image and its mask.',
+        unit='seconds',
+        lowest=0.0,
+        highest=1.0,
+        change=Change.ANY_TIME,
+        command_line=False,
+        details='0.0 if the mask has the stamp of its depth image, as it should. Keep it below '
+        'half the time between two images.',
+    )
+    sync_queue: int = setting(
+        30,
+        'Number of depth images, and of masks, that wait for their partner.',
+        lowest=1,
+        highest=1000,
+        command_line=False,
+        details='If the masks come late, all depth images of that time must fit: one second at '
+        '30 Hz is 30 images.',
+    )
+
+
+@dataclass(frozen=True)
+class DrawingSettings:
+    """Which joints are drawn as markers, and for how long."""
+
+    minimum_confidence: float = setting(
+        0.0,
+        'Least confidence of the joints in markers and transforms.',
+        unit='probability',
+        lowest=0.0,
+        highest=1.0,
+        change=Change.ANY_TIME,
+        details='~/skeletons has all joints. Confidence is the probability that a joint is within '
+        '10 cm of its true position: 0.5 leaves out the joints that are more often wrong than '
+        'right.',
+    )
+    marker_lifetime: float = setting(
+        0.5,
+        'Time after which RViz removes a marker that is not renewed; 0 for never.',
+        unit='seconds',
+        lowest=0.0,
+        highest=3600.0,
+        change=Change.ANY_TIME,
+    )
+
+    @property
+    def marker_lifetime_ns(self) -> int:
+        """`marker_lifetime` in nanoseconds."""
+        return round(self.marker_lifetime * 1e9)
+
+
+@dataclass(frozen=True)
+class TransformSettings:
+    """Whether the node publishes transforms."""
+
+    publish_tf: bool = setting(
+        default=False,
+        description='Publish the joints on /tf, too.',
+        command_line=False,
+        details='REP-155 names the frames: head_1, l_elbow_1 and, midway between the hips, '
+        'body_1 for the body number 1. It needs the package tf2_msgs.',
+    )
+
+
+SECTIONS: dict[str, tuple[type, ...]] = {
+    'Start': (StartSettings,),
+    'Model': (ModelSettings,),
+    'Segmentation': (SegmentationSettings,),
+    'Tracking and smoothing': (TemporalSettings,),
+    'Topics': (TopicSettings,),
+    'Markers and transforms': (DrawingSettings, TransformSettings),
+}
+"""The titles under which the documents list the groups of settings."""
+
+
+# The fields of a dataclass are those of its last base first.
+@dataclass(frozen=True)
+class NodeSettings(
+    TransformSettings,
+    DrawingSettings,
+    TopicSettings,
+    TemporalSettings,
+    SegmentationSettings,
+    ModelSettings,
+    StartSettings,
+):
+    """All settings: the parameters of `pose_node`."""
+
+
+SETTINGS: dict[str, Setting] = settings_of(NodeSettings)
+"""All settings by their names, in the order of the documents."""
+
+SEGMENTATIONS = tuple(SETTINGS['segmentation'].choices)
