@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - part of a program, not of a package
-"""The figures of a model's card: how good the model is at what, as JSON and as tables."""
+"""The figures of a model's card, as JSON and as tables: accuracy by view, distance and sensor."""
 
 import itertools
 import re
@@ -37,13 +37,13 @@ DISTANCES = (0, 1.5, 2, 2.5, 3, 3.5, 4, 5, 10)
 
 
 class People(NamedTuple):
-    """P people who were measured, with what is known of them.
+    """The evaluation of P people, with their view and distance.
 
     Attributes:
         evaluation: the errors of their joints.
-        yaw: how far they face aside of the camera, degrees from 0 to 180, shape (P,).
-        distance: of the torso along the camera's axis, metres, shape (P,).
-        recording: in which recording they are, shape (P,).
+        yaw: the angle from facing the camera, degrees from 0 to 180, shape (P,).
+        distance: depth of the torso, metres, shape (P,).
+        recording: the name of each person's recording, shape (P,).
     """
 
     evaluation: Evaluation
@@ -53,7 +53,7 @@ class People(NamedTuple):
 
 
 def measure(estimator: Estimator, recording: str, frames: Iterable[Frame]) -> People:
-    """Return how good `estimator` is at the people of a labelled recording.
+    """Evaluate `estimator` on the people of a labelled recording.
 
     Raises:
         InputError: nobody is labelled.
@@ -65,7 +65,7 @@ def measure(estimator: Estimator, recording: str, frames: Iterable[Frame]) -> Pe
 
 
 def _watched(frames: Iterable[Frame], views: list[NDArray[np.float64]]) -> Iterator[Frame]:
-    """Yield `frames`; keep the yaw and the distance of the people whom `evaluate` counts."""
+    """Yield `frames`; append yaw and distance of the people that `evaluate` counts to `views`."""
     for frame in frames:
         if frame.ground_truth is not None and len(frame.ground_truth.bodies):
             views.append(
@@ -75,17 +75,20 @@ def _watched(frames: Iterable[Frame], views: list[NDArray[np.float64]]) -> Itera
 
 
 def yaw_of(ground_truth: Skeletons) -> NDArray[np.float64]:
-    """Return how far each body faces aside of the camera, degrees from 0 to 180, shape (B,).
+    """Return the angle of each body from facing the camera, degrees from 0 to 180, shape (B,).
 
-    By the line from the right to the left shoulder and hip, as seen from above, against the line
-    of sight. NaN where these are not labelled.
+    It is the angle, seen from above, between the line of sight and the normal of the lines from
+    the right to the left shoulder and hip. NaN if these joints are not labelled.
     """
     names = ('l_shoulder', 'r_shoulder', 'l_hip', 'r_hip')
-    places = dict(zip(names, np.moveaxis(_places(ground_truth, names), 1, 0), strict=True))
-    left = places['l_shoulder'] - places['r_shoulder'] + places['l_hip'] - places['r_hip']
-    # x to the right, z away from the camera: whoever faces it has the left side at its right.
+    positions = dict(zip(names, np.moveaxis(_positions(ground_truth, names), 1, 0), strict=True))
+    left = (
+        positions['l_shoulder'] - positions['r_shoulder'] + positions['l_hip'] - positions['r_hip']
+    )
+    # x to the right, z away from the camera: the left side of a person who faces the camera is at
+    # larger x.
     forward = np.stack([left[:, 2], -left[:, 0]], axis=1)
-    middle = np.mean(list(places.values()), axis=0)[:, [0, 2]]
+    middle = np.mean(list(positions.values()), axis=0)[:, [0, 2]]
     cosine = -(forward * middle).sum(axis=1) / (
         np.linalg.norm(forward, axis=1) * np.linalg.norm(middle, axis=1)
     )
@@ -94,18 +97,18 @@ def yaw_of(ground_truth: Skeletons) -> NDArray[np.float64]:
 
 
 def distance_of(ground_truth: Skeletons) -> NDArray[np.float64]:
-    """Return how far each body's torso is along the camera's axis, metres, shape (B,)."""
-    return _places(ground_truth, ('torso',))[:, 0, 2]
+    """Return the depth of each body's torso, metres, shape (B,)."""
+    return _positions(ground_truth, ('torso',))[:, 0, 2]
 
 
-def _places(ground_truth: Skeletons, names: Sequence[str]) -> NDArray[np.float64]:
-    """Return the places of the joints `names`, in that order, shape (B, len(names), 3)."""
+def _positions(ground_truth: Skeletons, names: Sequence[str]) -> NDArray[np.float64]:
+    """Return the positions of the joints `names`, in that order, shape (B, len(names), 3)."""
     numbers = np.array([numbers_of([name])[0] for name in names], np.uint16)
     return select_joints(ground_truth, numbers).astype(np.float64)
 
 
 def join(people: Sequence[People]) -> People:
-    """Return all of them as one."""
+    """Concatenate several groups of people."""
     parts = [each.evaluation for each in people]
     together = parts[0]._replace(
         **{
@@ -121,7 +124,7 @@ def join(people: Sequence[People]) -> People:
 
 
 def score(evaluation: Evaluation, chosen: NDArray[np.bool_] | None = None) -> dict[str, Any]:
-    """Return the figures of those who are `chosen`, shape (P,), or of all: a row of a table."""
+    """Return the figures of the `chosen` people, shape (P,), or of all: a row of a table."""
     if chosen is not None:
         evaluation = evaluation._replace(
             errors=evaluation.errors[chosen], confidence=evaluation.confidence[chosen]
@@ -143,8 +146,8 @@ def score(evaluation: Evaluation, chosen: NDArray[np.bool_] | None = None) -> di
     }
 
 
-def _mean_of(shares: list[float]) -> float | None:
-    return float(np.mean(shares)) if shares else None
+def _mean_of(fractions: list[float]) -> float | None:
+    return float(np.mean(fractions)) if fractions else None
 
 
 def joint_scores(evaluation: Evaluation) -> dict[str, Any]:
@@ -154,7 +157,7 @@ def joint_scores(evaluation: Evaluation) -> dict[str, Any]:
 
 
 def binned(people: People, values: NDArray[np.float64], edges: Sequence[float]) -> dict[str, Any]:
-    """Return the figures of the people in each bin of `values`; bins of nobody are left out."""
+    """Return the figures of the people in each bin of `values`; empty bins are left out."""
     rows = {}
     for low, high in itertools.pairwise(edges):
         chosen = (values >= low) & ((values < high) | (high == edges[-1]))
@@ -164,7 +167,7 @@ def binned(people: People, values: NDArray[np.float64], edges: Sequence[float]) 
 
 
 def by_recording(people: People) -> dict[str, Any]:
-    """Return the figures of the people of each recording, in the order of their coming."""
+    """Return the figures of each recording, in their order in `people`."""
     names = list(dict.fromkeys(people.recording.tolist()))
     return {name: score(people.evaluation, people.recording == name) for name in names}
 
@@ -173,11 +176,11 @@ def real_scores(people: People, fitted: People | None) -> dict[str, Any]:
     """Return the figures of the fifteen joints on real people, with and without offsets.
 
     Args:
-        people: who are measured.
-        fitted: those whom the offsets are fitted on; None for no offsets.
+        people: the people to evaluate.
+        fitted: the people on whom the offsets are fitted; None for no offsets.
     """
     evaluation = select(people.evaluation, _common(people.evaluation))
-    rows = {'as they are': score(evaluation)}
+    rows = {'without offsets': score(evaluation)}
     if fitted is not None:
         offsets = fit_offsets(select(fitted.evaluation, evaluation.joints))
         rows['with constant offsets'] = score(apply_offsets(evaluation, offsets))
@@ -189,7 +192,7 @@ def _common(evaluation: Evaluation) -> NDArray[np.uint16]:
 
 
 def write_card(results: dict[str, Any], name: str, page: Path) -> None:
-    """Put the tables of `results` where `page` has those of the last time: after `name`'s mark.
+    """Replace the tables of the model `name` in `page` by those of `results`.
 
     Raises:
         InputError: the page cannot be written.
@@ -214,8 +217,8 @@ _COLUMNS = {
 
 _TITLES = {
     'all': '',
-    'views': 'how far aside people face, degrees',
-    'distances': 'metres from the camera',
+    'views': 'angle from facing the camera, degrees',
+    'distances': 'distance from the camera, metres',
     'recordings': 'recording',
     'real': 'real people, 15 joints',
 }
@@ -225,7 +228,7 @@ def write_tables(results: dict[str, Any]) -> str:
     """Return the tables of the card in Markdown."""
     tables = [
         _table(
-            [title, 'people', 'mean error', *_COLUMNS.values(), 'confidence off by'],
+            [title, 'people', 'mean error', *_COLUMNS.values(), 'calibration error'],
             [[name, *_cells(row)] for name, row in results[part].items()],
         )
         for part, title in _TITLES.items()
@@ -247,8 +250,8 @@ def _cells(row: dict[str, Any]) -> list[str]:
     ]
 
 
-def _percent(share: float | None) -> str:
-    return '-' if share is None else f'{100 * share:.1f} %'
+def _percent(fraction: float | None) -> str:
+    return '-' if fraction is None else f'{100 * fraction:.1f} %'
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

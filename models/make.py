@@ -1,9 +1,10 @@
 # ruff: noqa: INP001, T201 - a program, not a package
-"""Makes a model of the package and the figures of its card: `make model`.
+"""Train and evaluate a model of the package: `make model`.
 
-The recordings of `people.py` are generated, the model is trained on them and measured on others:
-other bodies, other motions. What is there already is not made again, so that the program can be
-stopped and started; recordings belong to their settings, the model to its recordings.
+The program generates the recordings of `people.py`, trains the model, and evaluates it on other
+recordings with other bodies and other motions. Existing files are reused, so the program can be
+interrupted and started again: the name of a recording depends on its settings, that of the model
+on its recordings.
 
     python models/make.py default --mocap CLIPS --real test.mcap --offsets-from others.mcap
 """
@@ -51,15 +52,15 @@ TRAINING_WORDS = (
     '--fewest-neighbours', '3', '--fill-holes', '5', '--noise-factor', '4',
     '--joints', *JOINT_NAMES,
 )  # fmt: skip
-"""What `lsc_pose train` is told for every model."""
+"""Options of `lsc_pose train` for all models."""
 
 
 LARGEST = 20_000_000
-"""Bytes that a model of the package may take."""
+"""The largest size of a model of the package, bytes."""
 
 
 class Made(NamedTuple):
-    """What a model comes from, and where it is."""
+    """The files that a model was made from, and its own."""
 
     training: list[Path]
     calibration: list[Path]
@@ -67,7 +68,7 @@ class Made(NamedTuple):
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Make the model that `words` ask for; return the exit status."""
+    """Make the model that `words` name and return the exit status."""
     arguments = _parser().parse_args(words)
     try:
         arguments.directory.mkdir(parents=True, exist_ok=True)
@@ -94,35 +95,40 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         default=HERE.parent / 'build' / 'model',
         metavar='DIR',
-        help='where recordings and models are kept on the way (default: %(default)s)',
+        help='folder of the recordings and intermediate models (default: %(default)s)',
     )
     parser.add_argument(
         '--target',
         type=Path,
         default=HERE,
         metavar='DIR',
-        help='where the model and its figures go (default: %(default)s)',
+        help='folder of the finished model and its figures (default: %(default)s)',
     )
     parser.add_argument(
-        '--mocap', type=Path, metavar='DIR', help='motion capture (BVH) for half of the people'
+        '--mocap',
+        type=Path,
+        metavar='DIR',
+        help='folder of motion capture (BVH) for half of the people',
     )
-    parser.add_argument('--mapping', type=Path, metavar='FILE', help='of its joints')
+    parser.add_argument(
+        '--mapping', type=Path, metavar='FILE', help='mapping of the joints of the motion capture'
+    )
     parser.add_argument(
         '--scale',
         type=float,
         default=1.0,
-        metavar='SHARE',
-        help='generate this share of all frames only, to try',
+        metavar='FRACTION',
+        help='generate only this fraction of all frames, for a trial',
     )
     parser.add_argument(
         '--memory',
         type=float,
         metavar='GIB',
-        help='for the training; with less, it learns from fewer points a person',
+        help='memory of the training; with less, fewer points per person are used',
     )
     for option, what in (
-        ('--real', 'also measure on these labelled recordings'),
-        ('--offsets-from', 'fit constant offsets for them on these'),
+        ('--real', 'also evaluate on these labelled recordings'),
+        ('--offsets-from', 'fit constant offsets for --real on these recordings'),
     ):
         parser.add_argument(
             option, type=Path, nargs='+', default=[], metavar='RECORDING', help=what
@@ -131,20 +137,20 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def make(arguments: argparse.Namespace, mocap: Mocap) -> Made:
-    """Generate what is learnt from, and train the model.
+    """Generate the recordings and train the model.
 
     Raises:
-        InputError: a recording cannot be made.
-        SystemExit: the training has failed.
+        InputError: a recording cannot be generated.
+        SystemExit: the training failed.
     """
     recipe, folder = RECIPES[arguments.name], arguments.directory
     training = generate(_scaled(recipe.training, arguments), mocap, folder, test=False)
     others = generate(_scaled(recipe.calibration, arguments), mocap, folder, test=False)
     words = _words(arguments)
-    mark = hashlib.sha256(
+    digest = hashlib.sha256(
         repr([words, [path.name for path in [*training, *others]]]).encode()
     ).hexdigest()[:8]
-    model = folder / f'{arguments.name}_{mark}.npz'
+    model = folder / f'{arguments.name}_{digest}.npz'
     if not model.exists():
         paths = [str(path) for path in training]
         calibration = ['--calibrate', *map(str, others)]
@@ -163,7 +169,7 @@ def measure_model(arguments: argparse.Namespace, model: Path, mocap: Mocap) -> d
     """Return all figures of the model's card.
 
     Raises:
-        InputError: a recording cannot be made or read.
+        InputError: a recording cannot be generated or read.
     """
     recipe, folder = RECIPES[arguments.name], arguments.directory
     estimator = Estimator(load_model(model))
@@ -195,10 +201,10 @@ def _read(estimator: Estimator, name: str, path: Path) -> People:
 
 
 def publish(arguments: argparse.Namespace, made: Made, results: dict[str, Any]) -> None:
-    """Put the model and its figures where they belong.
+    """Write the model, its figures and its card.
 
     Raises:
-        InputError: the model is too large to be shipped.
+        InputError: the model is too large for the package.
     """
     if made.model.stat().st_size > LARGEST:
         msg = (

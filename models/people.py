@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - part of a program, not of a package
-"""Who is learnt from and who is measured: the synthetic recordings behind the package's models."""
+"""The synthetic recordings on which the models of the package are trained and evaluated."""
 
 import hashlib
 from collections.abc import Sequence
@@ -14,16 +14,16 @@ from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 CHILDREN, ADULTS, OLD = (4.0, 12.0), (18.0, 60.0), (65.0, 85.0)
 """Ages, years."""
 
-# Of the clips of motion capture, every fifth is kept for the tests.
+# Each fifth clip of the motion capture is reserved for the tests.
 _HELD_OUT = 5
 
 
 class Part(NamedTuple):
-    """A recording.
+    """A synthetic recording.
 
     Attributes:
-        name: of its file, and of its row in the model's card.
-        settings: what is generated.
+        name: the name of its file and of its row in the model's card.
+        settings: the settings of the generator.
     """
 
     name: str
@@ -31,15 +31,15 @@ class Part(NamedTuple):
 
 
 class Recipe(NamedTuple):
-    """What a model is made from.
+    """The recordings and the options of a model.
 
     Attributes:
-        training: is learnt from.
-        calibration: other people, who teach which confidence is right.
-        tests: who the model is measured on, together.
-        others: who it is measured on beside them, each by itself.
-        words: what `lsc_pose train` is told beside what all models are.
-        memory: for the training, GiB; it decides from how many points a person is learnt.
+        training: the recordings of the training.
+        calibration: recordings of other people, on which the confidence is calibrated.
+        tests: the recordings on which the model is evaluated, all together.
+        others: further recordings on which it is evaluated, each on its own.
+        words: options of `lsc_pose train` in addition to those of all models.
+        memory: memory of the training, GiB; it limits the number of points per person.
     """
 
     training: tuple[Part, ...]
@@ -50,8 +50,8 @@ class Recipe(NamedTuple):
     memory: float
 
 
-# A person for every three frames: many people are worth more than many poses of each. Cameras on
-# robots are low, and look level or up; those on walls look down.
+# New people every three frames: many people are more useful than many poses of each. Cameras on
+# robots are low and look level or up; cameras on walls look down.
 _ALL_ROUND = SyntheticSettings(
     clip_length=3, yaw=180.0, camera_height=(0.3, 2.2), camera_tilt=(-20.0, 30.0)
 )
@@ -59,7 +59,7 @@ _FRONT = _ALL_ROUND._replace(yaw=60.0)
 
 _MANY_FRONT = Part('kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_share=0.65))
 
-# Of each sensor, from all sides.
+# Each sensor, people from all sides.
 _ALL_VIEWS = (
     Part('test_kinect_v1', _ALL_ROUND._replace(frames=600, seed=901)),
     Part('test_kinect_v2', _ALL_ROUND._replace(frames=300, seed=902, sensor='kinect_v2')),
@@ -68,7 +68,7 @@ _ALL_VIEWS = (
     Part('test_zed', _ALL_ROUND._replace(frames=300, seed=905, sensor='zed')),
     Part('test_tof', _ALL_ROUND._replace(frames=300, seed=906, sensor='tof')),
 )
-# Of one kind of people each.
+# One kind of people each.
 _OTHERS = (
     Part('test_front', _FRONT._replace(frames=300, seed=911)),
     Part('test_children', _ALL_ROUND._replace(frames=300, seed=912, age=CHILDREN)),
@@ -98,7 +98,7 @@ RECIPES: dict[str, Recipe] = {
             Part('realsense', _ALL_ROUND._replace(frames=6_000, seed=108, sensor='realsense')),
             Part('zed', _ALL_ROUND._replace(frames=6_000, seed=109, sensor='zed')),
             Part('tof', _ALL_ROUND._replace(frames=5_000, seed=110, sensor='tof')),
-            # The same once more by other seeds.
+            # The same with other seeds.
             Part('kinect_v1_more', _ALL_ROUND._replace(frames=8_000, seed=111)),
             Part(
                 'kinect_v2_more', _ALL_ROUND._replace(frames=4_000, seed=112, sensor='kinect_v2')
@@ -141,16 +141,16 @@ RECIPES: dict[str, Recipe] = {
         memory=8.0,
     ),
 }
-"""What each model of the package is made from, by its name."""
+"""The recipe of each model of the package, by name."""
 
 
 class Mocap(NamedTuple):
-    """Motion capture that half of the people move by.
+    """The motion capture for half of the people.
 
     Attributes:
-        folder: of BVH files; None for none.
-        mapping: what their joints stand for; None: as in the CMU clips.
-        held_out: the clips that only the tests show, by name.
+        folder: the folder of the BVH files; None for none.
+        mapping: the mapping of their joints; None for that of the CMU clips.
+        held_out: the names of the clips that only the tests use.
     """
 
     folder: Path | None = None
@@ -162,7 +162,7 @@ def find_mocap(folder: Path, mapping: Path | None) -> Mocap:
     """Return the clips in `folder`, some of them held out.
 
     Raises:
-        InputError: there are too few to hold any out.
+        InputError: there are too few clips to hold any out.
     """
     clips = _clips_in(folder)
     if len(clips) < _HELD_OUT:
@@ -178,13 +178,13 @@ def _clips_in(folder: Path) -> list[str]:
 
 
 def generate(parts: Sequence[Part], mocap: Mocap, folder: Path, *, test: bool) -> list[Path]:
-    """Return the recordings of `parts` in `folder`; those that are there are not made again.
+    """Generate the recordings of `parts` in `folder` and return them; existing ones are reused.
 
     Args:
-        parts: what to generate.
+        parts: the recordings.
         mocap: the motion capture, if any.
-        folder: where the recordings are kept.
-        test: with the clips that are held out; else with the others.
+        folder: the folder of the recordings.
+        test: whether to use the clips that are held out, or the others.
 
     Raises:
         InputError: the settings or the clips cannot be used.
@@ -208,16 +208,18 @@ def _moving(settings: SyntheticSettings, mocap: Mocap, *, test: bool) -> Synthet
 
 
 def _generate(part: Part, clips: str, folder: Path) -> Path:
-    path = folder / f'{part.name}_{_mark(part.settings, clips)}.mcap'
+    path = folder / f'{part.name}_{_digest(part.settings, clips)}.mcap'
     if not path.exists():
         frames = progress(synthetic_frames(part.settings), part.settings.frames, part.name)
-        with RecordingWriter(path) as writer:  # beside it first: what is there is whole
+        with RecordingWriter(
+            path
+        ) as writer:  # renamed at the end, so an existing file is complete
             for frame in frames:
                 writer.write_frame(frame)
     return path
 
 
-def _mark(settings: SyntheticSettings, clips: str) -> str:
-    """Return a mark of `settings`, wherever the `clips` lie: with others, another file is made."""
+def _digest(settings: SyntheticSettings, clips: str) -> str:
+    """Return a digest of the settings and of the names of the clips, but not of their folder."""
     named = settings._asdict() | {'mocap': clips, 'mocap_mapping': bool(settings.mocap_mapping)}
     return hashlib.sha256(repr(named).encode()).hexdigest()[:8]

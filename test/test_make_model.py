@@ -1,4 +1,4 @@
-"""The program that makes the package's models, and the figures of their card."""
+"""The program that trains the models of the package, and the figures of their card."""
 
 import json
 import sys
@@ -26,14 +26,14 @@ import people as table
 TRUNK = ['torso', 'l_shoulder', 'l_hip', 'r_shoulder', 'r_hip']
 
 
-def body_yaw(yaw: float, place: tuple[float, float, float] = (0.0, 0.0, 3.0)) -> Skeletons:
-    """A trunk whose face is turned to the person's left by `yaw` degrees, from facing us."""
+def body_yaw(yaw: float, position: tuple[float, float, float] = (0.0, 0.0, 3.0)) -> Skeletons:
+    """A trunk that is turned to the person's left by `yaw` degrees from facing the camera."""
     angle = np.radians(yaw)
-    # Who faces the camera has the left side at the image's right.
+    # The left side of a person who faces the camera is on the right of the image.
     left = np.array([np.cos(angle), 0, np.sin(angle)])
     positions = np.array([0 * left, 0.2 * left, 0.1 * left, -0.2 * left, -0.1 * left])
     positions[[1, 3], 1] -= 0.3
-    positions += place
+    positions += position
     return Skeletons(
         np.array([1], np.uint16),
         numbers_of(TRUNK),
@@ -47,25 +47,25 @@ def test_yaw_is_the_angle_away_from_the_camera(yaw: float) -> None:
     np.testing.assert_allclose(card.yaw_of(body_yaw(yaw)), abs(yaw), atol=0.05)
 
 
-def test_yaw_is_against_the_line_of_sight() -> None:
-    """Who stands 45 degrees aside and faces along the axis shows 45 degrees."""
+def test_yaw_is_measured_from_the_line_of_sight() -> None:
+    """A person 45 degrees off the axis who faces along the axis has a yaw of 45 degrees."""
     np.testing.assert_allclose(card.yaw_of(body_yaw(0, (2.0, 0.5, 2.0))), 45, atol=0.05)
     np.testing.assert_allclose(card.distance_of(body_yaw(0, (2.0, 0.5, 2.0))), 2)
 
 
-def test_every_recording_has_people_of_its_own() -> None:
-    shared = {
+def test_each_recording_has_its_own_people() -> None:
+    recordings = {
         part
         for recipe in table.RECIPES.values()
         for parts in (recipe.training, recipe.calibration, recipe.tests, recipe.others)
         for part in parts
     }
-    assert len({part.settings.seed for part in shared}) == len(shared)
-    assert len({part.name for part in shared}) == len(shared)
+    assert len({part.settings.seed for part in recordings}) == len(recordings)
+    assert len({part.name for part in recordings}) == len(recordings)
 
 
 @pytest.mark.parametrize('recipe', table.RECIPES.values(), ids=table.RECIPES.keys())
-def test_nobody_is_learnt_from_and_measured(recipe: table.Recipe) -> None:
+def test_no_recording_is_used_for_training_and_tests(recipe: table.Recipe) -> None:
     learnt = {part.name for part in (*recipe.training, *recipe.calibration)}
     assert learnt.isdisjoint(part.name for part in (*recipe.tests, *recipe.others))
 
@@ -94,7 +94,7 @@ SMALL = SyntheticSettings(width=160, height=120, distance=(2.0, 3.0), clip_lengt
 
 @pytest.fixture
 def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A recipe of few small frames."""
+    """Use a recipe with few small frames."""
     part = table.Part('few', SMALL._replace(frames=12, seed=1))
     others = (table.Part('others', SMALL._replace(frames=4, seed=2)),)
     views = (
@@ -107,7 +107,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(make, 'TRAINING_WORDS', ())
 
 
-def test_a_model_is_made_measured_and_made_no_second_time(tiny: None, tmp_path: Path) -> None:
+def test_a_model_is_trained_and_evaluated_once(tiny: None, tmp_path: Path) -> None:
     assert tiny is None
     kept, target = tmp_path / 'kept', tmp_path / 'models'
     target.mkdir()
@@ -139,14 +139,14 @@ def test_a_model_is_made_measured_and_made_no_second_time(tiny: None, tmp_path: 
     assert plain['people'] == moved['people'] == 12
 
 
-def test_other_settings_make_other_recordings(tmp_path: Path) -> None:
+def test_settings_determine_the_recording(tmp_path: Path) -> None:
     parts = [table.Part('few', SMALL._replace(frames=2, seed=seed)) for seed in (1, 2)]
     paths = table.generate(parts, table.Mocap(), tmp_path, test=False)
     assert len(set(paths)) == 2
     assert table.generate(parts, table.Mocap(), tmp_path, test=False) == paths
 
 
-def test_figures_of_some_people_are_those_of_them_alone(small_model_file: Path) -> None:
+def test_figures_of_a_bin_equal_those_of_its_people_alone(small_model_file: Path) -> None:
     estimator = Estimator(load_model(small_model_file))
     frames = list(synthetic_frames(SMALL._replace(frames=8, seed=5, yaw=180.0)))
     everybody = card.measure(estimator, 'all', frames)
@@ -167,7 +167,7 @@ def test_figures_of_some_people_are_those_of_them_alone(small_model_file: Path) 
     assert list(card.by_recording(joined)) == list('abcdefgh')
 
 
-def test_frames_without_people_count_nowhere(small_model_file: Path) -> None:
+def test_frames_without_people_are_not_counted(small_model_file: Path) -> None:
     (frame,) = synthetic_frames(SMALL._replace(frames=1, seed=5))
     empty = Frame(
         0,
