@@ -48,7 +48,7 @@ HERE = Path(__file__).resolve().parent
 
 TRAINING_WORDS = (
     '--feature', 'mixed', '--split-features', '48', '--candidates', '3', '--seed', '0',
-    '--joint-reach', '0.5', '--joint-share', '0.2333', '--vote-bandwidth', '0.15',
+    '--joint-reach', '0.5', '--joint-fraction', '0.2333', '--vote-bandwidth', '0.15',
     '--fewest-neighbours', '3', '--fill-holes', '5', '--noise-factor', '4',
     '--joints', *JOINT_NAMES,
 )  # fmt: skip

@@ -18,11 +18,11 @@ class LeafSettings(NamedTuple):
 
     Attributes:
         joint_reach: a sample votes for a joint no farther than this, in units of rho_bar.
-        joint_share: a cluster of offsets to a joint is kept where it stands for this share of its
-            leaf.
+        joint_fraction: a cluster of offsets to a joint is kept if it has at least this fraction
+            of the samples of its leaf.
         pair_reach: a sample votes for a pair when one of its joints is no farther than this.
-        pair_share: a cluster of pair offsets is kept where it stands for this share of its leaf;
-            smaller ones mislead more than they tell, and cost time.
+        pair_fraction: a cluster of pair offsets is kept if it has at least this fraction of the
+            samples of its leaf; smaller ones mislead more than they help, and cost time.
         bandwidth: of the mean-shift over offsets, in units of rho_bar.
         clusters: K, how many clusters a leaf keeps for each joint and each pair.
         most_samples: at most so many offsets are clustered; more are thinned out evenly.
@@ -30,9 +30,9 @@ class LeafSettings(NamedTuple):
     """
 
     joint_reach: float = 0.35
-    joint_share: float = 0.0
+    joint_fraction: float = 0.0
     pair_reach: float = 0.6
-    pair_share: float = 0.8
+    pair_fraction: float = 0.8
     bandwidth: float = 0.1
     clusters: int = 2
     most_samples: int = 100
@@ -44,7 +44,7 @@ def fit_joint_votes(samples: Samples, tree: Tree, settings: LeafSettings) -> Lea
     count = samples.joints.shape[1]
     # For a joint, both ends of the "pair" are the joint itself, and offsets start at the point.
     pairs = np.stack([np.full(count, -1), np.arange(count)], axis=1)
-    wanted = _Wanted(pairs, settings.joint_reach, settings.joint_share)
+    wanted = _Wanted(pairs, settings.joint_reach, settings.joint_fraction)
     return _fit(samples, tree, wanted, settings)
 
 
@@ -59,7 +59,7 @@ def fit_pair_votes(
         edges: (parent, child) joint indices, shape (E, 2).
         settings: reach and clustering.
     """
-    wanted = _Wanted(edges.astype(np.int64), settings.pair_reach, settings.pair_share)
+    wanted = _Wanted(edges.astype(np.int64), settings.pair_reach, settings.pair_fraction)
     return _fit(samples, tree, wanted, settings)
 
 

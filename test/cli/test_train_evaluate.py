@@ -91,7 +91,7 @@ def test_leaves_remember_as_they_are_told(recordings, tmp_path):
     for name, words in {
         'plain': [],
         'far': ['--joint-reach', '0.7'],
-        'few': ['--joint-share', '0.6'],
+        'few': ['--joint-fraction', '0.6'],
         'wide': ['--vote-bandwidth', '0.4'],
     }.items():
         path = tmp_path / f'{name}.npz'
@@ -135,7 +135,7 @@ def test_train_tells_the_forest_where_people_face(recordings, tmp_path, capsys):
         ('--smoothing-sigma', '-1'),
         ('--edge-threshold', '0'),
         ('--joint-reach', '0'),
-        ('--joint-share', '-0.1'),
+        ('--joint-fraction', '-0.1'),
         ('--vote-bandwidth', '0'),
         ('--candidates', '0'),
     ],

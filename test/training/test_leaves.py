@@ -112,7 +112,7 @@ def test_small_clusters_of_pairs_are_not_kept():
     samples = samples._replace(joints=joints)
     edges = np.array([[0, 1]], np.int32)
     kept = {
-        share: fit_pair_votes(samples, tree, edges, SETTINGS._replace(pair_share=share))
+        share: fit_pair_votes(samples, tree, edges, SETTINGS._replace(pair_fraction=share))
         for share in (0.0, 0.3, 0.4)
     }
     np.testing.assert_allclose(kept[0.0].weight[:2], [2 / 3, 1 / 3], atol=1e-6)
@@ -128,7 +128,7 @@ def test_small_clusters_of_joints_are_not_kept():
     joints[2, 0] = (0, 0.2, 0)  # the third person's joint lies elsewhere: a third of its leaf
     samples = samples._replace(joints=joints)
     kept = {
-        share: fit_joint_votes(samples, tree, SETTINGS._replace(joint_share=share))
+        share: fit_joint_votes(samples, tree, SETTINGS._replace(joint_fraction=share))
         for share in (0.0, 0.3, 0.4)
     }
     np.testing.assert_allclose(kept[0.0].weight[:2], [2 / 3, 1 / 3], atol=1e-6)
