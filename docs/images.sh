@@ -1,9 +1,9 @@
 #!/bin/sh
-# Draws the pictures of how_it_works.md anew: synthetic people whom the package's model has not
-# seen, and one frame on its way through a small model. Those of the model's card: people before
-# each sensor. And that of README.md: what the live node answers in the demonstration.
-# Takes a few minutes; needs lsc_pose on the PATH, or its name in LSC_POSE, and a Python that has
-# the package and ROS 2, python3 or its name in PYTHON.
+# Draws the pictures of how_it_works.md (synthetic people that the default model has not seen, and
+# one frame at each stage of a small model), of the card of the models (people in front of each
+# sensor), and of README.md (estimates of the live node in the demonstration).
+# This takes a few minutes and needs lsc_pose on the PATH or in LSC_POSE, and a Python with the
+# package and ROS 2: python3, or the value of PYTHON.
 set -eu
 
 pictures=$(cd "$(dirname "$0")" && pwd)/images
@@ -12,7 +12,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 mkdir -p "$pictures"
-# The stages are those of the paper's feature.
+# A model with the paper's feature, for the pictures of the stages.
 $lsc_pose synth "$work/train.mcap" --frames 1500 --clip-length 3 --seed 1
 $lsc_pose synth "$work/front.mcap" --frames 60 --clip-length 2 --seed 2001
 $lsc_pose train "$work/train.mcap" -o "$work/model.npz"

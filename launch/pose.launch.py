@@ -1,4 +1,4 @@
-"""Start pose_node, connected to a camera's topics, and RViz if it is wanted."""
+"""Start pose_node with the topics of a camera, and RViz on request."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,27 +16,27 @@ from launch import LaunchContext, LaunchDescription
 NODE = 'pose_node'
 PROFILE_VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 
-# The arguments that name a topic, and what the node calls it.
+# The arguments that name a topic, and the name of that topic in the node.
 TOPICS = {
     'depth_image': 'depth/image',
     'camera_info': 'depth/camera_info',
     'mask': 'mask',
 }
 
-# The arguments that are parameters of the node.
+# The arguments that set a parameter of the node.
 PARAMETERS = ('model', 'segmentation', 'depth_transport')
 
-# What config/lsc_pose.rviz shows of the node itself.
+# The topics of the node that config/lsc_pose.rviz shows.
 SHOWN = (f'{NODE}/skeletons', f'{NODE}/joint_markers')
 
 
 class Preset(NamedTuple):
-    """A camera's file in config/cameras.
+    """The contents of a camera's file in config/cameras.
 
     Attributes:
         frame: the frame of the depth images.
-        topics: the driver's topics, by the node's names for them.
-        parameters: what the node needs to know of the camera.
+        topics: the topics of the driver, by their names in the node.
+        parameters: the parameters of the node for this camera.
     """
 
     frame: str
@@ -61,14 +61,14 @@ def generate_launch_description() -> LaunchDescription:
                 'camera',
                 default_value='none',
                 choices=cameras,
-                description="whose driver's topics to take: a file of config/cameras",
+                description='the camera whose topics are used: a file in config/cameras',
             ),
             *(
                 DeclareLaunchArgument(name, default_value=default, description=meaning)
                 for name, (default, meaning) in arguments().items()
             ),
-            # It works where images are sent: a camera driver belongs into this launch, too, or
-            # must be started with the same variable.
+            # The profile takes effect at the sender of images: start the camera driver in the same
+            # launch, or with the same variable.
             SetEnvironmentVariable(PROFILE_VARIABLE, profile),
             OpaqueFunction(function=nodes),
         ]
@@ -76,33 +76,33 @@ def generate_launch_description() -> LaunchDescription:
 
 
 def arguments() -> dict[str, tuple[str, str]]:
-    """Return the default and the meaning of each argument but the camera."""
+    """Return the default and the description of each argument except `camera`."""
     return {
         'config': (
             str(config() / 'pose_node.yaml'),
-            "file of parameters; the camera's and those given here have the last word",
+            'file of parameters; the arguments and the file of the camera override it',
         ),
         'model': (
             '',
-            'model file, or the name of one in the package; empty: as the file of parameters says',
+            'model file, or the name of a model of the package; empty: the value in `config`',
         ),
         'segmentation': (
             '',
-            "mask, background or nearest; empty: mask where its topic is named, or the files' way",
+            'mask, background or nearest; empty: mask if `mask` is given, else as in the files',
         ),
         'depth_transport': ('', 'raw or compressedDepth'),
-        'rviz': ('false', 'whether to start RViz, too'),
-        'frame': ('', "frame that RViz looks from; empty for the camera's"),
+        'rviz': ('false', 'whether to start RViz'),
+        'frame': ('', 'fixed frame of RViz; empty: the frame of the camera'),
         'namespace': ('', 'namespace of the node'),
         **{
-            name: ('', f"topic to take {topic} from; empty for the camera's")
+            name: ('', f'topic for {topic}; empty: the topic of the camera')
             for name, topic in TOPICS.items()
         },
     }
 
 
 def nodes(context: LaunchContext) -> list[Node]:
-    """Return the nodes, with the arguments' values put in."""
+    """Return the nodes for the values of the arguments."""
     value = {name: LaunchConfiguration(name).perform(context) for name in ('camera', *arguments())}
     path = config() / 'cameras' / f'{value["camera"]}.yaml'
     preset = Preset(**yaml.safe_load(path.read_text(encoding='utf-8')))
@@ -122,7 +122,7 @@ def pose_node(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> 
         executable='pose_node',
         name=NODE,
         namespace=value['namespace'],
-        # One set of values after the file: of two, a file between them could hide the second.
+        # A single set of values after the file, because a file hides the sets before it.
         parameters=[value['config'], *([typed(parameters)] if parameters else [])],
         remappings=list(topics.items()),
         output='screen',
@@ -130,7 +130,7 @@ def pose_node(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> 
 
 
 def rviz(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> Node:
-    """Return RViz, which shows what the node takes and gives."""
+    """Return RViz, which shows the input and the output of the node."""
     shown = topics | {topic: topic for topic in SHOWN}
     return Node(
         package='rviz2',
@@ -150,7 +150,7 @@ def rviz(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> Node:
 
 
 def typed(parameters: dict[str, Any]) -> dict[str, Any]:
-    """Return `parameters` so that a text stays one, whatever it looks like."""
+    """Return `parameters` with texts marked as such, even if they look like numbers."""
     return {
         name: ParameterValue(value, value_type=str) if isinstance(value, str) else value
         for name, value in parameters.items()
@@ -158,7 +158,7 @@ def typed(parameters: dict[str, Any]) -> dict[str, Any]:
 
 
 def absolute(topic: str, namespace: str) -> str:
-    """Return the full name that `topic` has in `namespace`."""
+    """Return the absolute name of `topic` in `namespace`."""
     if topic.startswith('/'):
         return topic
     return '/' + '/'.join(part for part in (namespace.strip('/'), topic) if part)
