@@ -14,9 +14,9 @@ import numpy as np
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.serialization import deserialize_message
 
-from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
-from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import POINT_CLOUD
 from lsc_pose_ros.ros.health.diagnostics import TOPIC as DIAGNOSTICS_TOPIC
 from lsc_pose_ros.ros.playback.listener import open_listener
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.estimation.warm_up import warm_up, warm_up_segmenter
-from lsc_pose_ros.messages.rvl import encode_rvl
+from lsc_pose_ros.messages.codecs.rvl import encode_rvl
 from lsc_pose_ros.numerics.kernel_cache import describe_cache
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.features.shape_context_3d import DESCRIPTOR_SIZE

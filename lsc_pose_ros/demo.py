@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_recording, read_messages
-from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags import RecordingWriter, SerializedMessage, open_recording, read_messages
+from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
-from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import POINT_CLOUD
 from lsc_pose_ros.cli import main as command_line
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
@@ -141,7 +141,7 @@ def train_beside(files: Files) -> dict[str, Score]:
     }
 
 
-def write_live(files: Files, answers: Sequence[RawMessage]) -> None:
+def write_live(files: Files, answers: Sequence[SerializedMessage]) -> None:
     """Write the test recording with the node's `answers` put where their frames are."""
     placed = [answer._replace(log_time=read_skeletons(answer.data).stamp) for answer in answers]
     placed.sort(key=lambda answer: answer.log_time)
@@ -219,7 +219,7 @@ def _measure(files: Files, model: Path) -> Score:
     return Score(results['mean_error_m'], results['map'])
 
 
-def _answers(files: Files) -> list[RawMessage]:
+def _answers(files: Files) -> list[SerializedMessage]:
     """Play the test recording to the node and return what it answers."""
     with _listener() as listener:
         _run_step('replay', files.test, '--publish', '--wait-for', _START_TIMEOUT)

@@ -34,10 +34,10 @@ import json
 import numpy as np
 
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.messages.image_encodings import ImageLayout
+from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.estimation.warm_up import warm_up
-from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.bags.serialization.image_messages import depth_of, labels_of
@@ -99,7 +99,10 @@ assert compile.main([]) == 0
 before = compiled()
 
 from lsc_pose_ros.cli.main import main
-from lsc_pose_ros.messages.compressed_depth import decode_compressed_depth, encode_compressed_depth
+from lsc_pose_ros.messages.codecs.compressed_depth import (
+    decode_compressed_depth,
+    encode_compressed_depth,
+)
 
 recording, model = sys.argv[1] + '/people.mcap', sys.argv[1] + '/model.npz'
 for words in (

@@ -16,9 +16,9 @@ from lsc_pose_ros.bags.serialization.deserialize import (
     read_skeletons,
 )
 from lsc_pose_ros.bags.serialization.image_messages import depth_of, labels_of
-from lsc_pose_ros.bags.storage.raw_messages import IMAGE, RawMessage, Tally
-from lsc_pose_ros.bags.storage.reader import RawReader
-from lsc_pose_ros.bags.topics import Recorded, Topics, find_topics
+from lsc_pose_ros.bags.storage.reader import RecordingReader
+from lsc_pose_ros.bags.storage.serialized_messages import IMAGE, ReadStatistics, SerializedMessage
+from lsc_pose_ros.bags.topics import RecordedTopics, Topics, find_topics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.synchronization.frame_assembly import Assembled, Assembly
@@ -41,7 +41,7 @@ class FrameReader:
             while it is read and starts anew with each iteration.
     """
 
-    def __init__(self, raw: RawReader, topics: Topics, mask_background: int) -> None:
+    def __init__(self, raw: RecordingReader, topics: Topics, mask_background: int) -> None:
         """Read frames from `raw`; `open_recording` is the way to make one."""
         self._raw = raw
         self._background = mask_background
@@ -55,9 +55,9 @@ class FrameReader:
         return self._raw.topics[self.topics.depth].count
 
     @property
-    def tally(self) -> Tally:
+    def statistics(self) -> ReadStatistics:
         """What the running or last iteration has read, of all topics."""
-        return self._raw.tally
+        return self._raw.statistics
 
     def __iter__(self) -> Iterator[Frame]:
         """Yield the frames in the order of their arrival.
@@ -129,7 +129,7 @@ class FrameReader:
 class _Reading:
     """One pass through a recording."""
 
-    def __init__(self, raw: RawReader, topics: Topics) -> None:
+    def __init__(self, raw: RecordingReader, topics: Topics) -> None:
         self._raw = raw
         self._topics = topics
         self._damaged: Counter[str] = Counter()
@@ -163,7 +163,7 @@ class _Reading:
             ),
         ]
 
-    def _add(self, message: RawMessage) -> list[Assembled[_Image]]:
+    def _add(self, message: SerializedMessage) -> list[Assembled[_Image]]:
         try:
             frames = self._dispatch(message)
         except DamagedMessageError:
@@ -175,7 +175,7 @@ class _Reading:
         self.counts[message.topic] += 1
         return frames
 
-    def _dispatch(self, message: RawMessage) -> list[Assembled[_Image]]:
+    def _dispatch(self, message: SerializedMessage) -> list[Assembled[_Image]]:
         topics = self._topics
         if message.topic == topics.depth:
             depth = _read(message)
@@ -207,8 +207,8 @@ def open_recording(
     Raises:
         InputError: there is no recording, or a topic is missing or ambiguous.
     """
-    raw = RawReader(path)
-    recorded = Recorded(str(raw.path), raw.topics, lambda names: _encodings(raw, names))
+    raw = RecordingReader(path)
+    recorded = RecordedTopics(str(raw.path), raw.topics, lambda names: _encodings(raw, names))
     if not any(topic.count != 0 for topic in raw.topics.values()):
         list(raw)  # for what it warns of
         raise InputError('; '.join([f'{path}: the recording has no messages', *raw.warnings]))
@@ -216,13 +216,13 @@ def open_recording(
     return FrameReader(raw, found, mask_background)
 
 
-def _read(message: RawMessage) -> _Image:
+def _read(message: SerializedMessage) -> _Image:
     if message.type_name == IMAGE:
         return read_image(message.data)
     return read_compressed_image(message.data)
 
 
-def _encodings(raw: RawReader, names: Sequence[str]) -> Mapping[str, str]:
+def _encodings(raw: RecordingReader, names: Sequence[str]) -> Mapping[str, str]:
     """Return the encoding of the first image of each topic in `names`."""
     encodings: dict[str, str] = {}
     for number, message in enumerate(raw):

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lsc_pose_ros.bags.frames import FrameReader, open_recording
-from lsc_pose_ros.bags.storage.reader import RawReader, read_messages
+from lsc_pose_ros.bags.storage.reader import RecordingReader, read_messages
 from lsc_pose_ros.bags.topics import Topics
 from lsc_pose_ros.errors import InputError
 
@@ -62,7 +62,7 @@ class Inspection:
             InputError: there is no recording.
         """
         self._frames: FrameReader | None = None
-        self._raw: RawReader = read_messages(path)
+        self._raw: RecordingReader = read_messages(path)
         self._without_frames: list[str] = []
         self._count = 0
         self._labelled = 0
@@ -98,17 +98,17 @@ class Inspection:
     def report(self) -> RecordingReport:
         """Return what the iteration has found."""
         reader = self._frames or self._raw
-        tally, topics = reader.tally, self._raw.topics
+        statistics, topics = reader.statistics, self._raw.topics
         used = self._frames.topics if self._frames is not None else Topics()
         return RecordingReport(
             path=str(self._raw.path),
             files=[str(path) for path in self._raw.files],
             size_bytes=self._raw.size,
-            start_ns=tally.start,
-            duration_s=tally.seconds,
-            messages=tally.messages,
+            start_ns=statistics.start,
+            duration_s=statistics.seconds,
+            messages=statistics.messages,
             topics=[
-                TopicReport(name, topics[name].type_name, tally.counts.get(name, 0))
+                TopicReport(name, topics[name].type_name, statistics.counts.get(name, 0))
                 for name in sorted(topics)
             ],
             frames=self._count,

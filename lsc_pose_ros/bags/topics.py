@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from lsc_pose_ros.bags.storage.raw_messages import (
+from lsc_pose_ros.bags.storage.serialized_messages import (
     CAMERA_INFO,
     COMPRESSED_IMAGE,
     IMAGE,
@@ -11,7 +11,7 @@ from lsc_pose_ros.bags.storage.raw_messages import (
     TopicSummary,
 )
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.image_encodings import DEPTH_TYPES
+from lsc_pose_ros.messages.codecs.image_encodings import DEPTH_TYPES
 
 _IMAGES = (IMAGE, COMPRESSED_IMAGE)
 _MASK_WORDS = ('mask', 'body_index', 'label', 'segment')
@@ -30,7 +30,7 @@ class Topics(NamedTuple):
 DEFAULT_TOPICS = Topics('/depth/image', '/depth/camera_info', '/mask', '/ground_truth/skeletons')
 
 
-class Recorded(NamedTuple):
+class RecordedTopics(NamedTuple):
     """What a recording offers.
 
     Attributes:
@@ -45,7 +45,7 @@ class Recorded(NamedTuple):
     encodings: Callable[[Sequence[str]], Mapping[str, str]]
 
 
-def find_topics(wanted: Topics, recorded: Recorded, *, need_mask: bool = True) -> Topics:
+def find_topics(wanted: Topics, recorded: RecordedTopics, *, need_mask: bool = True) -> Topics:
     """Return the topics of the frames in a recording; `mask` and `ground_truth` are '' for none.
 
     Args:
@@ -71,7 +71,7 @@ def find_topics(wanted: Topics, recorded: Recorded, *, need_mask: bool = True) -
     )
 
 
-def _named(name: str, types: Sequence[str], recorded: Recorded, option: str) -> str:
+def _named(name: str, types: Sequence[str], recorded: RecordedTopics, option: str) -> str:
     """Return the topic that the user named, or '' where none was named."""
     if not name:
         return ''
@@ -88,7 +88,7 @@ def _named(name: str, types: Sequence[str], recorded: Recorded, option: str) -> 
     return name
 
 
-def _find_depth(recorded: Recorded) -> str:
+def _find_depth(recorded: RecordedTopics) -> str:
     images = [name for name in _of_types(recorded, _IMAGES) if not _has(name, _MASK_WORDS)]
     if DEFAULT_TOPICS.depth in images:
         return DEFAULT_TOPICS.depth
@@ -103,7 +103,7 @@ def _find_depth(recorded: Recorded) -> str:
     return _only(found or named, recorded, 'depth')
 
 
-def _find_camera_info(recorded: Recorded, depth: str) -> str:
+def _find_camera_info(recorded: RecordedTopics, depth: str) -> str:
     infos = _of_types(recorded, (CAMERA_INFO,))
     if not infos:
         msg = f'{recorded.where}: no camera info (sensor_msgs/msg/CameraInfo) was recorded'
@@ -119,7 +119,7 @@ def _find_camera_info(recorded: Recorded, depth: str) -> str:
     return _only(named or infos, recorded, 'camera-info')
 
 
-def _find_mask(recorded: Recorded, depth: str) -> str:
+def _find_mask(recorded: RecordedTopics, depth: str) -> str:
     images = [name for name in _of_types(recorded, _IMAGES) if name != depth]
     if DEFAULT_TOPICS.mask in images:
         return DEFAULT_TOPICS.mask
@@ -127,7 +127,7 @@ def _find_mask(recorded: Recorded, depth: str) -> str:
     return _only(found, recorded, 'mask') if found else ''
 
 
-def _find_ground_truth(recorded: Recorded) -> str:
+def _find_ground_truth(recorded: RecordedTopics) -> str:
     clouds = _of_types(recorded, (POINT_CLOUD,))
     if DEFAULT_TOPICS.ground_truth in clouds:
         return DEFAULT_TOPICS.ground_truth
@@ -135,7 +135,7 @@ def _find_ground_truth(recorded: Recorded) -> str:
     return _only(found, recorded, 'ground-truth') if found else ''
 
 
-def _of_types(recorded: Recorded, types: Sequence[str]) -> list[str]:
+def _of_types(recorded: RecordedTopics, types: Sequence[str]) -> list[str]:
     """Return the topics of `types` that have messages, sorted by name."""
     return sorted(
         name
@@ -157,7 +157,7 @@ def _is_depth(encoding: str) -> bool:
     return encoding in DEPTH_TYPES or 'compressedDepth' in encoding
 
 
-def _only(names: list[str], recorded: Recorded, option: str) -> str:
+def _only(names: list[str], recorded: RecordedTopics, option: str) -> str:
     if len(names) > 1:
         msg = (
             f'{recorded.where}: several topics could be the {option.replace("-", " ")}: '
@@ -167,7 +167,7 @@ def _only(names: list[str], recorded: Recorded, option: str) -> str:
     return names[0]
 
 
-def _advice(recorded: Recorded, types: Sequence[str], option: str) -> str:
+def _advice(recorded: RecordedTopics, types: Sequence[str], option: str) -> str:
     candidates = _of_types(recorded, types)
     if not candidates:
         return f'the recording has no messages of the type {" or ".join(types)}'

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.messages.rvl import decode_rvl
+from lsc_pose_ros.messages.codecs.rvl import decode_rvl
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
-from lsc_pose_ros.messages.image_encodings import (
+from lsc_pose_ros.messages.codecs.image_encodings import (
     DEPTH_TYPES,
     MASK_TYPES,
     ImageLayout,

@@ -296,7 +296,7 @@ def test_real_bags_are_read_whole(shared, name):
     reader = read_messages(shared / 'bags' / f'd160_{name}')
     assert sum(1 for _ in reader) == 259
     assert reader.warnings == []
-    assert reader.tally.counts == {
+    assert reader.statistics.counts == {
         '/camera/depth/image_rect_raw': 60,
         '/camera/depth/camera_info': 60,
         '/camera/mask': 60,
@@ -306,7 +306,7 @@ def test_real_bags_are_read_whole(shared, name):
         '/tf_static': 1,
     }
     declared = {name: topic.count for name, topic in reader.topics.items() if topic.count}
-    assert declared == reader.tally.counts
+    assert declared == reader.statistics.counts
     assert 'transient_local' in reader.topics['/tf_static'].qos
     frames = open_recording(shared / 'bags' / f'd160_{name}')
     assert frames.count == 60
@@ -326,7 +326,7 @@ def test_the_killed_recording_is_read_up_to_the_damage(shared):
     frames = open_recording(shared / 'bags' / 'd160_killed')
     assert frames.count == 153
     assert sum(1 for _ in frames) == 152
-    counts = frames.tally.counts
+    counts = frames.statistics.counts
     assert counts['/camera/depth/image_rect_raw'] == 153
     assert counts['/camera/depth/camera_info'] == counts['/camera/mask'] == 152
     damaged, unpaired = frames.warnings

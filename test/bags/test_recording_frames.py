@@ -17,8 +17,8 @@ from ros_messages import (
 from lsc_pose_ros.bags import RecordingWriter, Topics, open_recording
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
-from lsc_pose_ros.messages.png import write_png
+from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.messages.codecs.png import write_png
 
 SHAPE = (48, 64)
 DEPTH = np.random.default_rng(0).integers(500, 5000, SHAPE, dtype=np.uint16)

@@ -23,7 +23,7 @@ from lsc_pose_ros.bags.serialization.type_store import message_class, typestore
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.image_encodings import decode_depth
+from lsc_pose_ros.messages.codecs.image_encodings import decode_depth
 from lsc_pose_ros.messages.markers import skeleton_markers
 
 STAMP = 1_700_000_001_234_567_891

@@ -2,14 +2,14 @@
 
 import pytest
 
-from lsc_pose_ros.bags.storage.raw_messages import (
+from lsc_pose_ros.bags.storage.serialized_messages import (
     CAMERA_INFO,
     COMPRESSED_IMAGE,
     IMAGE,
     POINT_CLOUD,
     TopicSummary,
 )
-from lsc_pose_ros.bags.topics import Recorded, Topics, find_topics
+from lsc_pose_ros.bags.topics import RecordedTopics, Topics, find_topics
 from lsc_pose_ros.errors import InputError
 
 KINDS = {'i': IMAGE, 'z': COMPRESSED_IMAGE, 'c': CAMERA_INFO, 'p': POINT_CLOUD, 'o': 'std/msg/X'}
@@ -27,7 +27,7 @@ def recorded(encodings=None, empty=(), **topics):
         assert encodings is not None, f'the names {names} should have been enough'
         return {name: encodings[name] for name in names if name in encodings}
 
-    return Recorded('bag', summaries, ask)
+    return RecordedTopics('bag', summaries, ask)
 
 
 def test_the_defaults_win():

@@ -19,7 +19,7 @@ from lsc_pose_ros.bags import (
     open_recording,
     read_messages,
 )
-from lsc_pose_ros.bags.storage.metadata import Written, metadata_yaml
+from lsc_pose_ros.bags.storage.metadata import RecordingContents, metadata_yaml
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.markers import skeleton_markers
@@ -286,7 +286,7 @@ def test_a_recording_without_messages_is_whole(tmp_path):
         assert list(read_messages(tmp_path / name)) == []
         with pytest.raises(InputError, match='has no messages'):
             open_recording(tmp_path / name)
-    assert '9223372036854775807' in metadata_yaml(Written('f', [], None, None))
+    assert '9223372036854775807' in metadata_yaml(RecordingContents('f', [], None, None))
 
 
 def test_nothing_is_written_before_it_is_opened(tmp_path, simple_frames):

@@ -16,14 +16,19 @@ from lsc_pose_ros.bags import (
     open_recording,
     read_messages,
 )
-from lsc_pose_ros.bags.estimation import MARKERS_TOPIC, SKELETONS_TOPIC
+from lsc_pose_ros.bags.estimated_copy import MARKERS_TOPIC, SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.bags.serialization.serialize import (
     camera_info_message,
     depth_message,
     mask_message,
 )
-from lsc_pose_ros.bags.storage.raw_messages import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import (
+    CAMERA_INFO,
+    IMAGE,
+    MARKER_ARRAY,
+    POINT_CLOUD,
+)
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS

@@ -15,8 +15,8 @@ from rclpy.node import Node
 
 from lsc_pose_ros.ros.health.stream_warnings import Situation, complaints
 from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, nanoseconds
 from lsc_pose_ros.ros.io.inputs import Inputs
-from lsc_pose_ros.ros.io.messages import Pair, nanoseconds
 from lsc_pose_ros.settings.table import SETTINGS, NodeSettings
 
 
@@ -33,7 +33,7 @@ def say(*words: object) -> None:
     print(*words, flush=True)  # noqa: T201
 
 
-def deliver(pair: Pair) -> None:
+def deliver(pair: FrameMessages) -> None:
     mask = None if pair.mask is None else nanoseconds(pair.mask.header.stamp)
     say('pair', nanoseconds(pair.depth.header.stamp), mask)
 

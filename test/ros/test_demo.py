@@ -12,10 +12,10 @@ pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 from live_ros import Program
 
 from lsc_pose_ros import demo
-from lsc_pose_ros.bags import RawMessage, RecordingWriter, open_recording
-from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags import RecordingWriter, SerializedMessage, open_recording
+from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.serialize import skeletons_message
-from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import POINT_CLOUD
 from lsc_pose_ros.data_types.camera import back_project
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -83,7 +83,7 @@ def test_answers_are_put_where_their_frames_are(
     simple_frames: list[Frame], labelled_recording: Path, tmp_path: Path
 ) -> None:
     answers = [
-        RawMessage(
+        SerializedMessage(
             SKELETONS_TOPIC,
             POINT_CLOUD,
             9 * 10**18,  # the time of the demonstration

@@ -14,7 +14,7 @@ from live_ros import Program
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
-from lsc_pose_ros.bags import RawMessage, RecordingWriter, read_messages
+from lsc_pose_ros.bags import RecordingWriter, SerializedMessage, read_messages
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.ros.playback.listener import open_listener
 from lsc_pose_ros.ros.playback.player import _qos
@@ -41,7 +41,7 @@ def play(
     return begin
 
 
-def of(messages: list[RawMessage], topic: str) -> list[bytes]:
+def of(messages: list[SerializedMessage], topic: str) -> list[bytes]:
     return [message.data for message in messages if message.topic == topic]
 
 

@@ -28,7 +28,7 @@ from visualization_msgs.msg import Marker
 from lsc_pose_ros.bags.serialization.serialize import camera_info_message, mask_message
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.bags.serialization.type_store import typestore
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
-from lsc_pose_ros.bags.storage.raw_messages import (
+from lsc_pose_ros.bags.storage.serialized_messages import (
     CAMERA_INFO,
     COMPRESSED_IMAGE,
     IMAGE,
@@ -17,7 +17,7 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, unpack
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.camera_info import image_camera
-from lsc_pose_ros.messages.image_encodings import ImageLayout
+from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
 
 # sensor_msgs/PointField's numbers of the types.
 POINT_FIELD_TYPES = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}

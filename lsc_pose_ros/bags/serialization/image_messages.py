@@ -5,14 +5,14 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.bags.serialization.deserialize import CompressedImageMessage, ImageMessage
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.compressed_depth import decode_compressed_depth
-from lsc_pose_ros.messages.image_encodings import (
+from lsc_pose_ros.messages.codecs.compressed_depth import decode_compressed_depth
+from lsc_pose_ros.messages.codecs.image_encodings import (
     decode_depth,
     decode_mask,
     depth_to_metres,
     label_pixels,
 )
-from lsc_pose_ros.messages.png import read_png
+from lsc_pose_ros.messages.codecs.png import read_png
 
 
 def depth_of(message: ImageMessage | CompressedImageMessage) -> NDArray[np.float32]:

@@ -7,7 +7,12 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.bags.serialization.deserialize import POINT_FIELD_TYPES
 from lsc_pose_ros.bags.serialization.type_store import message_class, typestore
-from lsc_pose_ros.bags.storage.raw_messages import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import (
+    CAMERA_INFO,
+    IMAGE,
+    MARKER_ARRAY,
+    POINT_CLOUD,
+)
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, pack

@@ -22,7 +22,7 @@ def message_class(type_name: str) -> Any:  # noqa: ANN401
 
 
 @cache
-def definition(type_name: str) -> str:
+def type_definition(type_name: str) -> str:
     """Return a type's definition with those of all types it is made of, as rosbag2 stores it.
 
     Raises:
@@ -39,6 +39,6 @@ def definition(type_name: str) -> str:
 
 
 @cache
-def fingerprint(type_name: str) -> str:
+def type_hash(type_name: str) -> str:
     """Return a type's hash by REP-2016, for example 'RIHS01_d31d...'."""
     return typestore().hash_rihs01(type_name)

@@ -11,7 +11,7 @@ import yaml
 import zstandard
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
-from lsc_pose_ros.bags.storage.raw_messages import TopicSummary
+from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
 from lsc_pose_ros.errors import InputError
 
 MCAP_MAGIC = b'\x89MCAP0\r\n'

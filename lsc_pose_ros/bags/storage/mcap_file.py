@@ -13,7 +13,11 @@ from mcap.summary import Summary
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
 from lsc_pose_ros.bags.storage.layout import Part, open_part
-from lsc_pose_ros.bags.storage.raw_messages import RawMessage, Tally, TopicSummary
+from lsc_pose_ros.bags.storage.serialized_messages import (
+    ReadStatistics,
+    SerializedMessage,
+    TopicSummary,
+)
 
 # Of a compressed file we do not know how long it will be; no sane record is longer than this.
 _LONGEST_RECORD = 1 << 31
@@ -41,7 +45,7 @@ class McapPart:
             _add_topic(topics, channel, _type_name(channel, summary.schemas), count)
         return topics
 
-    def messages(self, warnings: list[str]) -> Iterator[RawMessage]:
+    def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
         """Yield the file's messages in its own order, up to the damage where there is any.
 
         Args:
@@ -70,15 +74,15 @@ class McapPart:
 
     def _scan(self) -> dict[str, TopicSummary]:
         topics: dict[str, TopicSummary] = {}
-        tally = Tally()
+        statistics = ReadStatistics()
         with open_part(self._part.path, compressed=self._part.compressed) as stream:
             reading = self._pass(stream, [])
             for message in reading.messages():
-                tally.add(message)
+                statistics.add(message)
         for channel in reading.channels.values():
             _add_topic(topics, channel, _type_name(channel, reading.schemas), None)
         return {
-            topic: replace(summary, count=tally.counts.get(topic, 0))
+            topic: replace(summary, count=statistics.counts.get(topic, 0))
             for topic, summary in topics.items()
         }
 
@@ -91,7 +95,7 @@ class _Pass:
         self._stream = stream
         self._limit = limit
         self._warnings = warnings
-        self._tally = Tally()
+        self._tally = ReadStatistics()
         self._damaged_chunks: list[str] = []
         self._lost = 0
         self._complete = False
@@ -99,7 +103,7 @@ class _Pass:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
 
-    def messages(self) -> Iterator[RawMessage]:
+    def messages(self) -> Iterator[SerializedMessage]:
         for record in self._records():
             message = self._message(record)
             if message is not None:
@@ -135,7 +139,7 @@ class _Pass:
             self._damaged_chunks.append(reason(error))
             return []
 
-    def _message(self, record: McapRecord) -> RawMessage | None:
+    def _message(self, record: McapRecord) -> SerializedMessage | None:
         """Return the message that `record` is, or keep what it says of the channels."""
         if isinstance(record, Schema):
             self.schemas[record.id] = record
@@ -150,7 +154,7 @@ class _Pass:
             elif channel.message_encoding != _SERIALISATION:
                 self._foreign[channel.topic] = channel.message_encoding
             else:
-                return RawMessage(
+                return SerializedMessage(
                     channel.topic, _type_name(channel, self.schemas), record.log_time, record.data
                 )
         return None

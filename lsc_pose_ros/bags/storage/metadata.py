@@ -17,11 +17,11 @@ class WrittenTopic(NamedTuple):
 
     name: str
     type_name: str
-    fingerprint: str
+    type_hash: str
     messages: int
 
 
-class Written(NamedTuple):
+class RecordingContents(NamedTuple):
     """What a recording's one file holds; times in nanoseconds, None without a message."""
 
     file_name: str
@@ -50,17 +50,17 @@ def qos_text() -> str:
     return _dump([qos_profile()])
 
 
-def metadata_text(written: Written) -> str:
+def metadata_text(written: RecordingContents) -> str:
     """Return the record 'serialized_metadata' of an MCAP file's metadata 'rosbag2'."""
     return _dump(_information(written))
 
 
-def metadata_yaml(written: Written) -> str:
+def metadata_yaml(written: RecordingContents) -> str:
     """Return the contents of a bag folder's metadata.yaml."""
     return _dump({'rosbag2_bagfile_information': _information(written)}) + '\n'
 
 
-def _information(written: Written) -> dict[str, object]:
+def _information(written: RecordingContents) -> dict[str, object]:
     start = _NO_TIME if written.start is None else written.start
     duration = 0 if written.start is None or written.end is None else written.end - written.start
     count = sum(topic.messages for topic in written.topics)
@@ -90,7 +90,7 @@ def _topic(topic: WrittenTopic) -> dict[str, object]:
             'type': topic.type_name,
             'serialization_format': 'cdr',
             'offered_qos_profiles': [qos_profile()],
-            'type_description_hash': topic.fingerprint,
+            'type_description_hash': topic.type_hash,
         },
         'message_count': topic.messages,
     }

@@ -9,18 +9,22 @@ import zstandard
 from lsc_pose_ros.bags.storage.damage import DAMAGE
 from lsc_pose_ros.bags.storage.layout import METADATA_NAME, ZSTD_MAGIC, Part, find_parts
 from lsc_pose_ros.bags.storage.mcap_file import McapPart
-from lsc_pose_ros.bags.storage.raw_messages import RawMessage, Tally, TopicSummary
+from lsc_pose_ros.bags.storage.serialized_messages import (
+    ReadStatistics,
+    SerializedMessage,
+    TopicSummary,
+)
 from lsc_pose_ros.bags.storage.sqlite_file import SqlitePart
 
 
-class RawReader:
+class RecordingReader:
     """A recording as its serialised messages; each iteration starts anew.
 
     Attributes:
         path: the file or the bag folder.
         warnings: a sentence for each thing that is wrong with the recording; the list grows
             while it is read and starts anew with each iteration.
-        tally: what the running or last iteration has read.
+        statistics: what the running or last iteration has read.
     """
 
     def __init__(self, path: Path | str) -> None:
@@ -36,7 +40,7 @@ class RawReader:
         self._topics: dict[str, TopicSummary] | None = None
         self.path = self._layout.path
         self.warnings = list(self._layout.warnings)
-        self.tally = Tally()
+        self.statistics = ReadStatistics()
 
     @property
     def topics(self) -> dict[str, TopicSummary]:
@@ -61,10 +65,10 @@ class RawReader:
         files = [part.path for part in self._layout.parts]
         return [*files, metadata] if metadata.exists() else files
 
-    def __iter__(self) -> Iterator[RawMessage]:
+    def __iter__(self) -> Iterator[SerializedMessage]:
         """Yield the messages in the order of the file."""
         self.warnings[:] = self._layout.warnings
-        self.tally = Tally()
+        self.statistics = ReadStatistics()
         damaged = 0
         for part in self._layout.parts:
             for message in _open(part).messages(self.warnings):
@@ -72,7 +76,7 @@ class RawReader:
                 if whole is None:
                     damaged += 1
                 else:
-                    self.tally.add(whole)
+                    self.statistics.add(whole)
                     yield whole
         if damaged:
             self.warnings.append(f'{damaged} messages could not be decompressed; left out')
@@ -90,7 +94,7 @@ class RawReader:
         return topics
 
 
-def read_messages(path: Path | str) -> RawReader:
+def read_messages(path: Path | str) -> RecordingReader:
     """Open a recording for reading its serialised messages.
 
     Args:
@@ -100,14 +104,14 @@ def read_messages(path: Path | str) -> RawReader:
     Raises:
         InputError: there is no recording.
     """
-    return RawReader(path)
+    return RecordingReader(path)
 
 
 def _open(part: Part) -> McapPart | SqlitePart:
     return McapPart(part) if part.storage == 'mcap' else SqlitePart(part)
 
 
-def _decompressed(message: RawMessage) -> RawMessage | None:
+def _decompressed(message: SerializedMessage) -> SerializedMessage | None:
     """Undo rosbag2's compression of single messages; None where the data are damaged.
 
     A serialised message starts with 0 (the high byte of CDR's representation), a compressed one

@@ -10,7 +10,11 @@ from typing import Any
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
 from lsc_pose_ros.bags.storage.layout import Part, open_part
-from lsc_pose_ros.bags.storage.raw_messages import RawMessage, Tally, TopicSummary
+from lsc_pose_ros.bags.storage.serialized_messages import (
+    ReadStatistics,
+    SerializedMessage,
+    TopicSummary,
+)
 from lsc_pose_ros.errors import InputError
 
 _SERIALISATION = 'cdr'
@@ -41,25 +45,27 @@ class SqlitePart:
             for number, (name, type_name, qos) in rows.items()
         }
 
-    def messages(self, warnings: list[str]) -> Iterator[RawMessage]:
+    def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
         """Yield the file's messages in its own order, up to the damage where there is any.
 
         Args:
             warnings: gets a sentence for each thing that is wrong.
         """
-        tally = Tally()
+        statistics = ReadStatistics()
         unusable = 0
-        for message in self._rows(warnings, tally):
+        for message in self._rows(warnings, statistics):
             if message is None:
                 unusable += 1
             else:
-                tally.add(message)
+                statistics.add(message)
                 yield message
         if unusable:
             name = self._part.path.name
             warnings.append(f'{name}: {unusable} damaged messages were left out')
 
-    def _rows(self, warnings: list[str], tally: Tally) -> Iterator[RawMessage | None]:
+    def _rows(
+        self, warnings: list[str], statistics: ReadStatistics
+    ) -> Iterator[SerializedMessage | None]:
         """Yield the table's rows, None for one that is damaged."""
         try:
             with self._database() as database:
@@ -72,7 +78,8 @@ class SqlitePart:
                     yield _message(row, topics)
         except DAMAGE as error:
             warnings.append(
-                f'{self._part.path.name}: damaged ({reason(error)}); read up to there: {tally}'
+                f'{self._part.path.name}: damaged ({reason(error)}); '
+                f'read up to there: {statistics}'
             )
 
     @contextmanager
@@ -125,9 +132,9 @@ def _counts(database: sqlite3.Connection) -> dict[int, int] | None:
 
 def _message(
     row: tuple[Any, Any, Any], topics: dict[int, tuple[str, str, str]]
-) -> RawMessage | None:
+) -> SerializedMessage | None:
     number, log_time, data = row
     if number not in topics or not isinstance(log_time, int) or not isinstance(data, bytes):
         return None
     name, type_name, _ = topics[number]
-    return RawMessage(name, type_name, log_time, data)
+    return SerializedMessage(name, type_name, log_time, data)

@@ -16,17 +16,22 @@ from lsc_pose_ros.bags.serialization.serialize import (
     mask_message,
     skeletons_message,
 )
-from lsc_pose_ros.bags.serialization.type_store import definition, fingerprint
+from lsc_pose_ros.bags.serialization.type_store import type_definition, type_hash
 from lsc_pose_ros.bags.storage.damage import reason
 from lsc_pose_ros.bags.storage.layout import METADATA_NAME
 from lsc_pose_ros.bags.storage.metadata import (
-    Written,
+    RecordingContents,
     WrittenTopic,
     metadata_text,
     metadata_yaml,
     qos_text,
 )
-from lsc_pose_ros.bags.storage.raw_messages import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import (
+    CAMERA_INFO,
+    IMAGE,
+    MARKER_ARRAY,
+    POINT_CLOUD,
+)
 from lsc_pose_ros.bags.topics import DEFAULT_TOPICS, Topics
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -192,11 +197,11 @@ class RecordingWriter:
 
     def _add_channel(self, mcap: Writer, topic: str, type_name: str) -> '_Channel':
         if type_name not in self._schemas:
-            text = definition(type_name).encode()
+            text = type_definition(type_name).encode()
             self._schemas[type_name] = mcap.register_schema(type_name, 'ros2msg', text)
         details = {
             'offered_qos_profiles': qos_text(),
-            'topic_type_hash': fingerprint(type_name),
+            'topic_type_hash': type_hash(type_name),
         }
         number = mcap.register_channel(topic, 'cdr', self._schemas[type_name], details)
         channel = self._channels[topic] = _Channel(number, type_name)
@@ -215,14 +220,14 @@ class RecordingWriter:
             (self._partial / METADATA_NAME).write_text(metadata_yaml(written), 'utf-8')
         self._partial.replace(self._path)
 
-    def _written(self) -> Written:
+    def _written(self) -> RecordingContents:
         topics = [
-            WrittenTopic(name, channel.type_name, fingerprint(channel.type_name), channel.count)
+            WrittenTopic(name, channel.type_name, type_hash(channel.type_name), channel.count)
             for name, channel in self._channels.items()
         ]
         # A lone file may be renamed, and two of the same contents shall have the same bytes.
         name = self._file_name if self._folder else f'recording{_SUFFIX}'
-        return Written(name, topics, self._start, self._end)
+        return RecordingContents(name, topics, self._start, self._end)
 
     def _remove_partial(self) -> None:
         if self._stream is not None:

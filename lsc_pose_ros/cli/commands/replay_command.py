@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording, read_messages
-from lsc_pose_ros.bags.estimation import answer_frames
+from lsc_pose_ros.bags.estimated_copy import write_estimated_copy
 from lsc_pose_ros.cli.options.estimation_options import add_estimation_options, sequence_from
 from lsc_pose_ros.cli.options.numbers import positive_float
 from lsc_pose_ros.cli.options.setting_options import settings_from
@@ -115,7 +115,7 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
     frames = bodies = 0
     with RecordingWriter(output) as writer:
         drawing = settings_from(arguments, DrawingSettings)
-        answers = answer_frames(reader, sequence, writer, segmenter, drawing)
+        answers = write_estimated_copy(reader, sequence, writer, segmenter, drawing)
         for skeletons in progress(answers, reader.count, 'estimating'):
             frames += 1
             bodies += len(skeletons.bodies)

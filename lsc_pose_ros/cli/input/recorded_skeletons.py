@@ -2,15 +2,15 @@
 
 from collections.abc import Collection
 
-from lsc_pose_ros.bags import RawReader, TopicSummary
-from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC
+from lsc_pose_ros.bags import RecordingReader, TopicSummary
+from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import DamagedMessageError, read_skeletons
-from lsc_pose_ros.bags.storage.raw_messages import POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import POINT_CLOUD
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 
 
-def find_skeletons_topic(recording: RawReader, wanted: str, ground_truth: str) -> str:
+def find_skeletons_topic(recording: RecordingReader, wanted: str, ground_truth: str) -> str:
     """Return the topic with estimated skeletons, '' where there is none.
 
     Args:
@@ -43,7 +43,7 @@ def find_skeletons_topic(recording: RawReader, wanted: str, ground_truth: str) -
 
 
 def read_skeletons_at(
-    recording: RawReader, topic: str, stamps: Collection[int]
+    recording: RecordingReader, topic: str, stamps: Collection[int]
 ) -> dict[int, Skeletons]:
     """Return the skeletons of `topic` that have one of `stamps` (nanoseconds), by stamp."""
     found: dict[int, Skeletons] = {}

@@ -10,7 +10,7 @@ from rclpy.node import Node
 from lsc_pose_ros.ros.health.diagnostic_status import Condition, Stretch, condition
 from lsc_pose_ros.ros.health.measurements import Measuring
 from lsc_pose_ros.ros.health.stream_warnings import Counters
-from lsc_pose_ros.ros.io.messages import NANOSECONDS
+from lsc_pose_ros.ros.io.frame_messages import NANOSECONDS
 
 TOPIC = '/diagnostics'
 PERIOD = 1.0

@@ -8,7 +8,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lsc_pose_ros.ros.health.stream_warnings import Counters, TopicNames
 from lsc_pose_ros.ros.health.throttled_log import Reports
-from lsc_pose_ros.ros.io.messages import NANOSECONDS, AnyImage, Pair, nanoseconds
+from lsc_pose_ros.ros.io.frame_messages import NANOSECONDS, AnyImage, FrameMessages, nanoseconds
 from lsc_pose_ros.ros.io.subscription import IMAGE_QUEUE_DEPTH, Subscribed, Wanted
 from lsc_pose_ros.settings.table import MASK, NodeSettings
 from lsc_pose_ros.synchronization.synchronizer import Gathering, PairingSettings
@@ -33,7 +33,7 @@ class Inputs:
         node: Node,
         parameters: NodeSettings,
         reports: Reports,
-        deliver: Callable[[Pair], None],
+        deliver: Callable[[FrameMessages], None],
     ) -> None:
         """Subscribe.
 
@@ -49,7 +49,7 @@ class Inputs:
             PairingSettings(
                 round(parameters.sync_slop * NANOSECONDS), parameters.sync_queue, with_masks
             ),
-            lambda depth, mask, info: deliver(Pair(depth, mask, info)),
+            lambda depth, mask, info: deliver(FrameMessages(depth, mask, info)),
         )
         wanted = [
             self._image('depth/image', 'depth_transport', parameters.depth_transport),

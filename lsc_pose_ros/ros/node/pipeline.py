@@ -11,8 +11,8 @@ from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
 from lsc_pose_ros.ros.health.stream_warnings import Counters, Situation, complaints
 from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
 from lsc_pose_ros.ros.io.inputs import Inputs
-from lsc_pose_ros.ros.io.messages import Pair, frame_of
 from lsc_pose_ros.ros.node.preparation import Prepared
 from lsc_pose_ros.ros.node.worker import Worker
 from lsc_pose_ros.segmentation.segmenter import make_segmenter
@@ -57,7 +57,7 @@ class Activity:
         self._outputs = prepared.outputs
         self._outputs.parameters = parameters
         self._outputs.open()
-        self._worker: Worker[Pair] = Worker(self._answer, self._fail, 'estimation')
+        self._worker: Worker[FrameMessages] = Worker(self._answer, self._fail, 'estimation')
         self.inputs = Inputs(node, parameters, self._reports, self._worker.submit)
         self._seen = self._counters()
         self._diagnostics = Diagnostics(node, self._counters)
@@ -88,7 +88,7 @@ class Activity:
         self._diagnostics.close()
         self._outputs.close()
 
-    def _answer(self, pair: Pair) -> None:
+    def _answer(self, pair: FrameMessages) -> None:
         """Answer one depth image; in the worker's thread."""
         stage = self._diagnostics.measuring.stage
         with stage('decode'):

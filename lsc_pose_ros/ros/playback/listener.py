@@ -10,7 +10,7 @@ from rclpy.context import Context
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
-from lsc_pose_ros.bags import RawMessage
+from lsc_pose_ros.bags import SerializedMessage
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.io.message_types import message_class
 
@@ -34,7 +34,7 @@ class Listener:
         Raises:
             InputError: the package of a type is not installed.
         """
-        self.received: list[RawMessage] = []
+        self.received: list[SerializedMessage] = []
         self._subscriptions = []
         for topic, type_name in topics.items():
             kind = message_class(type_name)
@@ -63,7 +63,7 @@ class Listener:
 
     def _keeper(self, topic: str, type_name: str) -> Callable[[bytes], None]:
         def keep(data: bytes) -> None:
-            self.received.append(RawMessage(topic, type_name, time.time_ns(), data))
+            self.received.append(SerializedMessage(topic, type_name, time.time_ns(), data))
 
         return keep
 

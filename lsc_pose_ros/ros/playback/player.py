@@ -12,10 +12,10 @@ from rclpy.node import Node
 from rclpy.qos import QoSDurabilityPolicy, QoSProfile
 from rosgraph_msgs.msg import Clock
 
-from lsc_pose_ros.bags import RawMessage, RawReader, TopicSummary
+from lsc_pose_ros.bags import RecordingReader, SerializedMessage, TopicSummary
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.io.frame_messages import NANOSECONDS
 from lsc_pose_ros.ros.io.message_types import message_class
-from lsc_pose_ros.ros.io.messages import NANOSECONDS
 from lsc_pose_ros.ros.playback.pacing import Pacer
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class Playback(NamedTuple):
 
 
 @contextmanager
-def open_player(reader: RawReader, playback: Playback) -> Iterator['Player']:
+def open_player(reader: RecordingReader, playback: Playback) -> Iterator['Player']:
     """Give a player whose publishers are there until the end.
 
     Args:
@@ -78,7 +78,7 @@ class Player:
         published: how many messages have been published.
     """
 
-    def __init__(self, node: Node, reader: RawReader, playback: Playback) -> None:
+    def __init__(self, node: Node, reader: RecordingReader, playback: Playback) -> None:
         """Advertise the recording's topics on `node`; the other arguments as `open_player`."""
         _check_names(reader, playback.remap)
         self._node = node
@@ -113,7 +113,7 @@ class Player:
             time.sleep(0.02)
         return False
 
-    def play(self, messages: Iterable[RawMessage]) -> bool:
+    def play(self, messages: Iterable[SerializedMessage]) -> bool:
         """Publish `messages`, once through.
 
         Args:
@@ -160,7 +160,7 @@ class Player:
             self._clock.publish(message)
 
 
-def _check_names(reader: RawReader, remap: Mapping[str, str]) -> None:
+def _check_names(reader: RecordingReader, remap: Mapping[str, str]) -> None:
     unknown = sorted(set(remap) - set(reader.topics))
     if unknown:
         msg = f'{reader.path}: no topic {", ".join(unknown)}; it has {", ".join(reader.topics)}'

@@ -10,7 +10,7 @@ POINT_CLOUD = 'sensor_msgs/msg/PointCloud2'
 MARKER_ARRAY = 'visualization_msgs/msg/MarkerArray'
 
 
-class RawMessage(NamedTuple):
+class SerializedMessage(NamedTuple):
     """One message as it was recorded.
 
     Attributes:
@@ -41,7 +41,7 @@ class TopicSummary:
     qos: str
 
 
-class Tally:
+class ReadStatistics:
     """What has been read of a recording so far.
 
     Attributes:
@@ -68,7 +68,7 @@ class Tally:
         """The time between the earliest and the latest message."""
         return (self.end - self.start) * 1e-9
 
-    def add(self, message: RawMessage) -> None:
+    def add(self, message: SerializedMessage) -> None:
         """Count `message`."""
         first = not self.counts
         self.counts[message.topic] = self.counts.get(message.topic, 0) + 1

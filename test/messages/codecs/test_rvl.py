@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.rvl import decode_rvl, encode_rvl
+from lsc_pose_ros.messages.codecs.rvl import decode_rvl, encode_rvl
 
 
 def plain_number(value):

@@ -12,10 +12,10 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.compressed_depth import encode_compressed_depth
-from lsc_pose_ros.messages.png import write_png
+from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
+from lsc_pose_ros.messages.codecs.png import write_png
 from lsc_pose_ros.ros.health.stream_warnings import TopicNames
-from lsc_pose_ros.ros.io.messages import Pair, _plain, frame_of
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, _plain, frame_of
 
 TOPICS = TopicNames('/cam/depth', '/cam/info', '/seg/mask')
 HEIGHT, WIDTH = 12, 16
@@ -50,8 +50,8 @@ MILLIMETRES = np.arange(1, HEIGHT * WIDTH + 1, dtype='<u2').reshape(HEIGHT, WIDT
 MASK = np.where(np.arange(WIDTH) > 7, 3, 0).astype('u1') * np.ones((HEIGHT, 1), 'u1')
 
 
-def pair(depth: Image | CompressedImage, mask: Image | None = None) -> Pair:
-    return Pair(depth, mask or image(MASK, 'mono8'), camera_info())
+def pair(depth: Image | CompressedImage, mask: Image | None = None) -> FrameMessages:
+    return FrameMessages(depth, mask or image(MASK, 'mono8'), camera_info())
 
 
 def test_frame_has_the_depth_images_header_and_the_camera() -> None:
@@ -101,13 +101,13 @@ def test_compressed_mask(pixel: str) -> None:
     message = CompressedImage(
         format='mono8; png compressed', data=array.array('B', write_png(MASK.astype(pixel)))
     )
-    frame = frame_of(Pair(image(MILLIMETRES, '16UC1'), message, camera_info()), TOPICS, 0)
+    frame = frame_of(FrameMessages(image(MILLIMETRES, '16UC1'), message, camera_info()), TOPICS, 0)
     np.testing.assert_array_equal(frame.labels, np.where(MASK == 3, 3, NO_BODY))
 
 
 def test_mask_compressed_with_loss_is_refused() -> None:
     message = CompressedImage(format='mono8; jpeg compressed', data=array.array('B', b'123'))
-    whole = Pair(image(MILLIMETRES, '16UC1'), message, camera_info())
+    whole = FrameMessages(image(MILLIMETRES, '16UC1'), message, camera_info())
     with pytest.raises(InputError, match=r'/seg/mask: a mask compressed as .*only PNG'):
         frame_of(whole, TOPICS, 0)
 
@@ -133,7 +133,7 @@ class LeftHalf:
 
 def test_without_a_mask_the_segmenter_finds_the_bodies() -> None:
     segmenter = LeftHalf()
-    whole = Pair(image(MILLIMETRES, '16UC1'), None, camera_info())
+    whole = FrameMessages(image(MILLIMETRES, '16UC1'), None, camera_info())
     frame = frame_of(whole, TOPICS, 0, segmenter)
     assert segmenter.stamps == [STAMP]
     assert (frame.labels[:, : WIDTH // 2] == 1).all()
@@ -151,28 +151,42 @@ def test_pixels_are_not_copied_out_of_the_message() -> None:
 @pytest.mark.parametrize(
     ('bad', 'topic', 'remedy'),
     [
-        (Pair(image(MILLIMETRES, 'rgb8'), image(MASK, 'mono8'), camera_info()), 0, '16UC1'),
-        (Pair(image(MILLIMETRES, '16UC1'), image(MASK, 'bgr8'), camera_info()), 2, 'mono8'),
         (
-            Pair(image(MILLIMETRES, '16UC1'), image(MASK[:6], 'mono8'), camera_info()),
+            FrameMessages(image(MILLIMETRES, 'rgb8'), image(MASK, 'mono8'), camera_info()),
+            0,
+            '16UC1',
+        ),
+        (
+            FrameMessages(image(MILLIMETRES, '16UC1'), image(MASK, 'bgr8'), camera_info()),
+            2,
+            'mono8',
+        ),
+        (
+            FrameMessages(image(MILLIMETRES, '16UC1'), image(MASK[:6], 'mono8'), camera_info()),
             2,
             '16 x 6 pixels, but the images of /cam/depth have 16 x 12',
         ),
         (
-            Pair(image(MILLIMETRES, '16UC1'), image(MASK, 'mono8'), camera_info(6)),
+            FrameMessages(image(MILLIMETRES, '16UC1'), image(MASK, 'mono8'), camera_info(6)),
             1,
             '16 x 6 pixels, but the images of /cam/depth have 16 x 12',
         ),
         (
-            Pair(image(MILLIMETRES, '16UC1'), image(MASK, 'mono8'), camera_info(focal=0.0)),
+            FrameMessages(
+                image(MILLIMETRES, '16UC1'), image(MASK, 'mono8'), camera_info(focal=0.0)
+            ),
             1,
             'is all zero; the camera must be calibrated',
         ),
-        (Pair(Image(encoding='16UC1'), image(MASK, 'mono8'), camera_info()), 0, 'do not fill'),
+        (
+            FrameMessages(Image(encoding='16UC1'), image(MASK, 'mono8'), camera_info()),
+            0,
+            'do not fill',
+        ),
     ],
 )
 def test_message_that_cannot_be_used_is_named_with_a_remedy(
-    bad: Pair, topic: int, remedy: str
+    bad: FrameMessages, topic: int, remedy: str
 ) -> None:
     with pytest.raises(InputError) as error:
         frame_of(bad, TOPICS, 0)
@@ -181,5 +195,5 @@ def test_message_that_cannot_be_used_is_named_with_a_remedy(
 
 
 def test_camera_info_without_a_size_fits_every_image() -> None:
-    whole = Pair(image(MILLIMETRES, '16UC1'), image(MASK, 'mono8'), camera_info(0, 0))
+    whole = FrameMessages(image(MILLIMETRES, '16UC1'), image(MASK, 'mono8'), camera_info(0, 0))
     assert frame_of(whole, TOPICS, 0).depth.shape == (HEIGHT, WIDTH)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.bags import RecordingWriter, open_recording, read_messages
-from lsc_pose_ros.bags.estimation import SKELETONS_TOPIC, answer_frames
+from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC, write_estimated_copy
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -79,7 +79,7 @@ def test_replay_and_live_give_the_same_joints(
     output = tmp_path / 'out.mcap'
     with RecordingWriter(output) as writer:
         sequence = Sequence(Estimator(small_model), settings)
-        answers = list(answer_frames(open_recording(recording), sequence, writer))
+        answers = list(write_estimated_copy(open_recording(recording), sequence, writer))
     expected = live(list(open_recording(recording)), small_model, settings)
     assert_same(answers, expected)
     assert_same(written(output), expected)
@@ -108,7 +108,7 @@ def test_bodies_without_masks(recording: Path, small_model: Model, tmp_path: Pat
     with RecordingWriter(tmp_path / 'out.mcap') as writer:
         sequence = Sequence(Estimator(small_model), ALL)
         found = list(
-            answer_frames(open_recording(recording), sequence, writer, make_segmenter(how))
+            write_estimated_copy(open_recording(recording), sequence, writer, make_segmenter(how))
         )
     assert_same(found, expected)
     assert np.isfinite(found[0].positions).any()

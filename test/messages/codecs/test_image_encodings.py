@@ -3,7 +3,7 @@ import pytest
 
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.image_encodings import (
+from lsc_pose_ros.messages.codecs.image_encodings import (
     ImageLayout,
     decode_depth,
     decode_mask,

@@ -8,12 +8,12 @@ import pytest
 from PIL import Image
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.compressed_depth import (
+from lsc_pose_ros.messages.codecs.compressed_depth import (
     decode_compressed_depth,
     encode_compressed_depth,
     parse_format,
 )
-from lsc_pose_ros.messages.png import read_png, write_png
+from lsc_pose_ros.messages.codecs.png import read_png, write_png
 
 
 def millimetres():

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.png import read_png, write_png
-from lsc_pose_ros.messages.rvl import decode_rvl, encode_rvl
+from lsc_pose_ros.messages.codecs.png import read_png, write_png
+from lsc_pose_ros.messages.codecs.rvl import decode_rvl, encode_rvl
 
 _HEADER = struct.Struct('<iff')
 _RVL_SIZE = struct.Struct('<II')

@@ -3,9 +3,9 @@
 import struct
 from collections.abc import Iterator
 
-from lsc_pose_ros.bags import FrameReader, RawMessage, RecordingWriter, read_messages
+from lsc_pose_ros.bags import FrameReader, RecordingWriter, SerializedMessage, read_messages
 from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
-from lsc_pose_ros.bags.storage.raw_messages import MARKER_ARRAY, POINT_CLOUD
+from lsc_pose_ros.bags.storage.serialized_messages import MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import Sequence
 from lsc_pose_ros.messages.markers import Drawing
@@ -20,7 +20,7 @@ _LITTLE_ENDIAN = 1
 _DEFAULT_DRAWING = DrawingSettings()
 
 
-def answer_frames(
+def write_estimated_copy(
     frames: FrameReader,
     sequence: Sequence,
     writer: RecordingWriter,
@@ -85,7 +85,7 @@ class _Original:
         for message in self._messages:
             self._copy(message)
 
-    def _copy(self, message: RawMessage) -> None:
+    def _copy(self, message: SerializedMessage) -> None:
         if message.topic not in self._wanted:
             return
         self._writer.write(message.topic, message.type_name, message.log_time, message.data)

@@ -15,7 +15,7 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.camera_info import image_camera
-from lsc_pose_ros.messages.image_encodings import ImageLayout
+from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
 from lsc_pose_ros.ros.health.stream_warnings import TopicNames
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
 
@@ -24,7 +24,7 @@ AnyImage: TypeAlias = Image | CompressedImage
 NANOSECONDS = 1_000_000_000
 
 
-class Pair(NamedTuple):
+class FrameMessages(NamedTuple):
     """The messages that make up a frame; no mask where bodies are found without."""
 
     depth: AnyImage
@@ -38,7 +38,10 @@ def nanoseconds(stamp: Time) -> int:
 
 
 def frame_of(
-    pair: Pair, topics: TopicNames, mask_background: int, segmenter: Segmenter | None = None
+    pair: FrameMessages,
+    topics: TopicNames,
+    mask_background: int,
+    segmenter: Segmenter | None = None,
 ) -> Frame:
     """Return the frame that the messages of `pair` hold.
 

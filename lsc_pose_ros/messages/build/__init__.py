@@ -1,0 +1,1 @@
+"""Builds ROS messages from arrays, with the message classes of any ROS library."""

@@ -1,0 +1,1 @@
+"""The pixel formats of image messages, and their compressions."""
