@@ -42,6 +42,9 @@ OTHER_OPTIONS = {
     '--user',
 }
 
+# Names of other programs that the pages mention.
+OTHER_NAMES = {'rqt_robot_monitor'}
+
 
 def name_of(document: Path) -> str:
     return str(document.relative_to(ROOT))
@@ -77,6 +80,18 @@ def options_of_the_commands() -> set[str]:
                 if isinstance(action, argparse._SubParsersAction):
                     parsers.extend(action.choices.values())
     return options
+
+
+@cache
+def words_of_the_sources() -> set[str]:
+    """Return the identifiers in the sources of the package and of the programs."""
+    sources = [
+        *(ROOT / 'lsc_pose_ros').rglob('*.py'),
+        *(ROOT / 'lsc_pose_ros').rglob('*.yaml'),
+        *(ROOT / 'experiments').rglob('*.py'),
+        *(ROOT / 'benchmarks').glob('*.py'),
+    ]
+    return {word for source in sources for word in re.findall(r'\w+', text_of(source))}
 
 
 def test_readme_has_at_most_150_lines() -> None:
@@ -115,3 +130,9 @@ def test_code_that_is_linked_by_name_is_in_the_linked_file(document: Path) -> No
             continue
         definition = rf'^\s*(?:def |class )?{name.split(".")[-1]}\b'
         assert re.search(definition, text_of(target), re.MULTILINE), f'{name}: {link}'
+
+
+@pytest.mark.parametrize('document', DOCS, ids=name_of)
+def test_identifiers_that_are_named_exist(document: Path) -> None:
+    named = set(re.findall(r'`([a-z]+(?:_[a-z]+)+)`', text_of(document)))
+    assert named - words_of_the_sources() - OTHER_NAMES == set()
