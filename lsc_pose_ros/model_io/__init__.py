@@ -1,1 +1,1 @@
-"""Model files: read, checked and written."""
+"""Model files: the format, and checks of what is read."""

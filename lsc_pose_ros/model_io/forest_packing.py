@@ -1,15 +1,15 @@
 """A forest as the small arrays of a model file.
 
-What follows from something else is left out, and what need not be exact is rounded:
+What follows from other arrays is left out, and what need not be exact is rounded:
 
-- The nodes of a tree stand level by level, so that the first split's children are the second and
-  the third node, the next split's the fourth and the fifth, and no node need say where they are.
+- The nodes of a tree are ordered level by level: the children of the first split are the second
+  and third node, those of the next split the fourth and fifth, so no child index is stored.
   Leaves are numbered in the same order.
-- Offsets are whole steps of 0.02 rho_bar for joints, about a centimetre, and twice that for pairs;
-  the densities that are made of them are 7 cm wide. Weights are fifteenths. Where these are too
-  small for the largest number, they are doubled until they are not.
-- The offsets of one joint are near one another, so all votes for the first joint stand first, then
-  those for the second, and x, y and z by themselves: so the archive makes them smaller.
+- Offsets are multiples of 0.02 rho_bar for joints, about a centimetre, and of 0.04 rho_bar for
+  pairs; the densities that they form are 7 cm wide. Weights are multiples of 1/15. These steps
+  are doubled until the largest value fits into the array's type.
+- Votes are ordered by joint, and x, y and z are separate rows. The offsets of one joint are
+  similar, so the archive compresses them well.
 """
 
 from typing import Any, NamedTuple, TypeAlias
@@ -17,41 +17,41 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.model_io.model_check import UnusableModelError
+from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes, TreeNodes
 
-# By their names; that each is of its form is for the reader of the file to check.
 Arrays: TypeAlias = dict[str, Any]
+"""Arrays by name; the reader of the file has checked that each has its form."""
 
 Form: TypeAlias = tuple[type[np.generic], int]
-"""The type of an array and how many dimensions it has."""
+"""The type of an array and its number of dimensions."""
 
 _VOTES: dict[str, Form] = {
-    'count': (np.uint16, 1),  # of the votes of each leaf
-    'target': (np.uint8, 1),  # of each vote, leaf after leaf
-    'offset': (np.int8, 2),  # of each vote, target after target, in steps
-    'weight': (np.uint8, 1),  # likewise
-    'steps': (np.float32, 1),  # of the offsets and of the weights
+    'count': (np.uint16, 1),  # the number of votes of each leaf
+    'target': (np.uint8, 1),  # the joint or pair of each vote, ordered by leaf
+    'offset': (np.int8, 2),  # the offset of each vote in steps, ordered by target
+    'weight': (np.uint8, 1),  # the weight of each vote in steps, ordered by target
+    'steps': (np.float32, 1),  # the step of the offsets and that of the weights
 }
 
 ARRAYS: dict[str, Form] = {
-    'nodes': (np.int32, 1),  # how many each tree has
-    'feature': (np.int16, 1),  # of each node, -1 in a leaf
-    'threshold': (np.uint8, 1),  # of each split
+    'nodes': (np.int32, 1),  # the number of nodes of each tree
+    'feature': (np.int16, 1),  # the feature of each node; -1: the node is a leaf
+    'threshold': (np.uint8, 1),  # the threshold of each split
     **{f'joint_{name}': form for name, form in _VOTES.items()},
     **{f'pair_{name}': form for name, form in _VOTES.items()},
 }
-"""What a forest is packed in."""
+"""The arrays of a packed forest."""
 
 
 class _Steps(NamedTuple):
-    """What is rounded to: offsets in units of rho_bar, and weights."""
+    """Values are rounded to multiples of these; offsets in units of rho_bar."""
 
     offset: float
     weight: float
 
 
-# Far more than any model has, and no float32 overflows.
+# Far more than any model has, and small enough that no float32 overflows.
 _LARGEST_STEP = 1e6
 
 _STEPS = {'joint': _Steps(0.02, 1 / 15), 'pair': _Steps(0.04, 1 / 15)}
@@ -68,10 +68,10 @@ def pack_forest(forest: Forest) -> dict[str, NDArray[np.generic]]:
 
 
 def unpack_forest(arrays: Arrays) -> Forest:
-    """Return the forest that `pack_forest` has made `arrays` of.
+    """Return the forest that `pack_forest` packed.
 
     Raises:
-        UnusableModelError: the arrays do not fit together. What is in them is not checked.
+        UnusableModelError: the arrays do not fit together. Their values are not checked.
     """
     return Forest(
         *_unpack_trees(arrays), _unpack_votes('joint', arrays), _unpack_votes('pair', arrays)
@@ -79,7 +79,7 @@ def unpack_forest(arrays: Arrays) -> Forest:
 
 
 def _pack_trees(forest: Forest) -> tuple[dict[str, NDArray[np.generic]], NDArray[np.int32]]:
-    """Return the nodes as arrays, and the leaves in their new order."""
+    """Return the nodes as arrays, and the old numbers of the leaves in the new order."""
     order, nodes = _level_order(forest)
     feature = forest.feature[order]
     splits = feature >= 0
@@ -101,9 +101,9 @@ def _unpack_trees(arrays: Arrays) -> TreeNodes:
         msg = 'its thresholds do not fit its splits'
         raise UnusableModelError(msg)
     roots = np.cumsum(nodes) - nodes
-    before = np.cumsum(splits) - splits  # how many splits stand before each node
+    before = np.cumsum(splits) - splits  # the number of splits before each node
     left = np.empty(len(feature), np.int32)
-    # Of the k-th split of a tree, the left child is the (1 + 2 k)-th node of the tree.
+    # The left child of a tree's k-th split is the tree's (1 + 2 k)-th node, counted from 0.
     rank = before - np.repeat(before[roots], nodes)
     left[splits] = (np.repeat(roots, nodes) + 1 + 2 * rank)[splits]
     left[~splits] = np.arange(len(feature) - splits.sum())
@@ -113,21 +113,21 @@ def _unpack_trees(arrays: Arrays) -> TreeNodes:
 
 
 def _level_order(forest: Forest) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-    """Return the nodes, tree after tree and level after level, and how many each tree has."""
+    """Return the nodes ordered by tree and level, and the number of nodes of each tree."""
     trees: list[NDArray[np.int64]] = []
     for root in forest.roots:
         level = np.array([root], np.int64)
-        quantised = []
+        levels = []
         while len(level):
-            quantised.append(level)
+            levels.append(level)
             left = forest.left[level[forest.feature[level] >= 0]].astype(np.int64)
             level = np.stack([left, left + 1], axis=1).ravel()
-        trees.append(np.concatenate(quantised))
+        trees.append(np.concatenate(levels))
     return np.concatenate(trees), np.array([len(tree) for tree in trees], np.int32)
 
 
 def _in_order(votes: LeafVotes, leaves: NDArray[np.int32]) -> LeafVotes:
-    """Return the votes of these `leaves`, in this order."""
+    """Return the votes ordered by `leaves`."""
     counts = np.diff(votes.start)[leaves]
     start = _starts(counts)
     rows = np.repeat(votes.start[:-1][leaves] - start[:-1], counts) + np.arange(start[-1])
@@ -154,10 +154,10 @@ def _pack_votes(kind: str, votes: LeafVotes) -> dict[str, NDArray[np.generic]]:
     }
 
 
-def _step(values: NDArray[np.float32], step: float, most: int) -> np.float32:
-    """Return `step`, doubled until no value is more than `most` steps."""
+def _step(values: NDArray[np.float32], step: float, limit: int) -> np.float32:
+    """Return `step`, doubled until no value is more than `limit` steps."""
     largest = float(np.abs(values).max(initial=0))
-    while round(largest / step) > most:
+    while round(largest / step) > limit:
         step *= 2
     return np.float32(step)
 
@@ -171,11 +171,11 @@ def _unpack_votes(kind: str, arrays: Arrays) -> LeafVotes:
         msg = 'its votes do not fit its leaves'
         raise UnusableModelError(msg)
     if steps.shape != (2,) or not ((steps > 0) & (steps < _LARGEST_STEP)).all():
-        msg = 'the steps of its votes are not within reason'
+        msg = 'the steps of its votes are out of range'
         raise UnusableModelError(msg)
     by_target = np.argsort(target, kind='stable')
-    places = np.empty((total, 3), np.float32)
-    places[by_target] = offset.T * steps[0]
+    offsets = np.empty((total, 3), np.float32)
+    offsets[by_target] = offset.T * steps[0]
     weights = np.empty(total, np.float32)
     weights[by_target] = weight * steps[1]
-    return LeafVotes(_starts(count), target, places, weights)
+    return LeafVotes(_starts(count), target, offsets, weights)

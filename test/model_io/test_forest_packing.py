@@ -1,4 +1,4 @@
-"""Forests as the arrays of a model file: the same trees, the same votes within half a step."""
+"""Forests packed for a model file keep their trees, and their votes within half a step."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def random_votes(rng, leaves, most=4, reach=0.3, heaviest=1.0):
 
 
 def random_forest(rng, splits, **votes):
-    """Return trees of so many splits each; nodes in the order of their growth."""
+    """Return trees with these numbers of splits; nodes in the order of their growth."""
     feature, threshold, left, roots = [], [], [], []
     for count in splits:
         roots.append(len(feature))
@@ -51,7 +51,7 @@ def random_forest(rng, splits, **votes):
 
 
 def votes_of(votes, leaf):
-    """The votes of a leaf in the order of their targets, which is all that counts."""
+    """Return the votes of a leaf, ordered by target."""
     rows = np.arange(votes.start[leaf], votes.start[leaf + 1])
     rows = rows[np.argsort(votes.target[rows], kind='stable')]
     return votes.target[rows], votes.offset[rows], votes.weight[rows]
@@ -78,7 +78,7 @@ def test_points_find_the_same_votes_in_the_same_order(splits):
             assert (after.weight[there] > 0).all()
 
 
-def test_arrays_are_what_they_are_said_to_be():
+def test_arrays_have_the_documented_forms():
     packed = pack_forest(random_forest(np.random.default_rng(1), [20, 30]))
     assert packed.keys() == ARRAYS.keys()
     for name, (kind, dimensions) in ARRAYS.items():
@@ -94,7 +94,7 @@ def test_arrays_are_what_they_are_said_to_be():
 
 
 @pytest.mark.parametrize(('reach', 'heaviest'), [(0.3, 1.0), (2.6, 30.0), (40.0, 5000.0), (0, 0)])
-def test_steps_grow_with_the_largest_number_and_packing_again_changes_nothing(reach, heaviest):
+def test_steps_grow_with_the_largest_value_and_packing_again_changes_nothing(reach, heaviest):
     forest = random_forest(np.random.default_rng(2), [60, 70], reach=reach, heaviest=heaviest)
     packed = pack_forest(forest)
     twice = pack_forest(unpack_forest(packed))
@@ -105,8 +105,8 @@ def test_steps_grow_with_the_largest_number_and_packing_again_changes_nothing(re
     assert heaviest / 256 <= weight_step <= max(0.067, 2.02 * heaviest / 255)
 
 
-def test_nodes_stand_level_by_level():
-    """A plain walk through the tree, from the top down and from left to right."""
+def test_nodes_are_ordered_by_level():
+    """Compare with a breadth-first walk through the tree."""
     forest = random_forest(np.random.default_rng(3), [50])
     queue, features = [0], []
     for node in queue:
@@ -116,7 +116,7 @@ def test_nodes_stand_level_by_level():
     np.testing.assert_array_equal(pack_forest(forest)['feature'], features)
 
 
-def test_votes_stand_target_after_target():
+def test_votes_are_ordered_by_target():
     forest = random_forest(np.random.default_rng(4), [9])
     packed = pack_forest(forest)
     votes = unpack_forest(packed).joint_votes
