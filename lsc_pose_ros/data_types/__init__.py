@@ -1,1 +1,1 @@
-"""What every part of the package speaks of: camera, frame, joints, skeletons."""
+"""The data types that all parts of the package use: camera, frame, joints, skeletons."""

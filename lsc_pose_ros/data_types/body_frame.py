@@ -1,4 +1,4 @@
-"""Where a body is and which way it faces: the body frame of REP-155."""
+"""Position and orientation of a body: the body frame of REP-155."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 
-# Directions that are shorter than this say nothing, metres.
+# Shorter vectors give no reliable direction, metres.
 _SHORTEST = 0.02
 
-# The camera's own, in its optical frame: up, and the left of somebody who faces it.
+# Directions in the optical frame: up, the left of a person who faces the camera, and forward.
 _CAMERA_UP = np.array([0.0, -1.0, 0.0])
 _CAMERA_LEFT = np.array([1.0, 0.0, 0.0])
 _CAMERA_FORWARD = np.array([0.0, 0.0, 1.0])
@@ -35,23 +35,23 @@ class BodyFrame(NamedTuple):
 
 
 def body_frame(joints: NDArray[np.uint16], positions: NDArray[np.float32]) -> BodyFrame | None:
-    """Return the frame of one body, or None where neither its hips nor its pelvis are known.
+    """Return the frame of one body, or None if neither its hips nor its pelvis are known.
 
-    Towards the head is from the hips to the neck, and left from the right hip to the left one;
-    where a joint for that is unknown, the next best ones stand in, and at last the camera's axes.
+    z points from the hips to the neck, and y from the right hip to the left hip. If one of these
+    joints is unknown, other joints replace it, and finally the axes of the camera.
 
     Args:
-        joints: the numbers of the joints in the vocabulary, shape (J,).
-        positions: metres in the camera's optical frame, NaN where unknown, shape (J, 3).
+        joints: the numbers of the joints, shape (J,).
+        positions: metres in the camera's optical frame, NaN if unknown, shape (J, 3).
     """
-    places = _Places(joints, positions)
-    origin = places.middle('hip')
+    named = _NamedPositions(joints, positions)
+    origin = named.middle('hip')
     if np.isnan(origin).any():
-        origin = places.one('pelvis')
+        origin = named.one('pelvis')
     if np.isnan(origin).any():
         return None
-    z = _first(upper - origin for upper in places.above())
-    y = _first(left - (left @ z) * z for left in places.leftwards())
+    z = _first(upper - origin for upper in named.above())
+    y = _first(left - (left @ z) * z for left in named.leftwards())
     return BodyFrame(origin, np.stack([np.cross(y, z), y, z], axis=1))
 
 
@@ -59,7 +59,7 @@ def quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the unit quaternion (x, y, z, w), w >= 0, of a rotation matrix, shape (3, 3).
 
     It is the eigenvector of Bar-Itzhack's symmetric matrix (J. Guidance, 23(6), 2000), which has
-    no angle at which it fails.
+    no singularity.
     """
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = rotation.tolist()
     symmetric = np.array(
@@ -70,13 +70,13 @@ def quaternion(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
             [zy - yz, xz - zx, yx - xy, xx + yy + zz],
         ]
     )
-    # eigh reads the lower triangle alone; the greatest eigenvalue comes last.
+    # eigh reads only the lower triangle; the largest eigenvalue is the last.
     vector: NDArray[np.float64] = np.linalg.eigh(symmetric)[1][:, -1]
     return vector if vector[3] >= 0 else -vector
 
 
-class _Places:
-    """The joints of one body by their names; an unknown one is NaN."""
+class _NamedPositions:
+    """The positions of the joints of one body by name; NaN if unknown."""
 
     def __init__(self, joints: NDArray[np.uint16], positions: NDArray[np.float32]) -> None:
         self._rows = {number: row for row, number in enumerate(joints.tolist())}
@@ -90,14 +90,14 @@ class _Places:
         return (self.one(f'l_{name}') + self.one(f'r_{name}')) / 2
 
     def above(self) -> Iterator[NDArray[np.float64]]:
-        """Yield what lies towards the head, the best first."""
+        """Yield points in the direction of the head, the most reliable first."""
         yield self.one('neck')
         yield self.middle('shoulder')
         yield self.one('head')
         yield self.one('torso')
 
     def leftwards(self) -> Iterator[NDArray[np.float64]]:
-        """Yield directions to the person's left, the best first."""
+        """Yield directions to the person's left, the most reliable first."""
         yield self.one('l_hip') - self.one('r_hip')
         yield self.one('l_shoulder') - self.one('r_shoulder')
         yield _CAMERA_LEFT
@@ -105,10 +105,10 @@ class _Places:
 
 
 def _first(directions: Iterator[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """Return the first direction that is one, at length 1; if none is, the camera's up."""
+    """Return the first direction that is long enough, normalised, or else the camera's up."""
     for direction in directions:
         length = np.linalg.norm(direction)
-        if length > _SHORTEST:  # NaN is not
+        if length > _SHORTEST:  # false for NaN
             unit: NDArray[np.float64] = direction / length
             return unit
     return _CAMERA_UP

@@ -1,4 +1,4 @@
-"""The pinhole camera: pixels to metres and back.
+"""The pinhole camera: projection and back-projection.
 
 Points are in the optical frame of REP-103: x right, y down, z forward.
 """
@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 
 class Intrinsics(NamedTuple):
-    """A pinhole camera's focal lengths and principal point in pixels (K of CameraInfo)."""
+    """Focal lengths and principal point of a pinhole camera (K of CameraInfo).
+
+    Attributes:
+        fx: horizontal focal length, pixels.
+        fy: vertical focal length, pixels.
+        cx: column of the principal point, pixels.
+        cy: row of the principal point, pixels.
+    """
 
     fx: float
     fy: float
@@ -24,7 +31,7 @@ def back_project(
     depth: NDArray[np.floating],
     camera: Intrinsics,
 ) -> NDArray[np.float32]:
-    """Return the points, shape (..., 3), that pixels (columns, rows) show; all in metres."""
+    """Return the points, shape (..., 3), of the pixels (columns, rows) at `depth`; metres."""
     x = (columns - camera.cx) * depth / camera.fx
     y = (rows - camera.cy) * depth / camera.fy
     return np.stack([x, y, depth], axis=-1).astype(np.float32)

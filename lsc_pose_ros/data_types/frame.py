@@ -1,4 +1,4 @@
-"""One frame as the method sees it: depth in metres, who is where, and the camera."""
+"""A frame: depth in metres, the label image and the camera."""
 
 from typing import NamedTuple
 
@@ -13,14 +13,14 @@ NO_BODY = -1
 
 
 class Frame(NamedTuple):
-    """A depth image with its mask and camera, and the true skeletons where they are known.
+    """A depth image with its label image, its camera and, if known, its ground truth.
 
     Attributes:
-        stamp: nanoseconds, the depth image's own.
-        frame_id: the camera's optical frame.
-        depth: metres, 0 where the sensor saw nothing, shape (H, W), float32.
+        stamp: the stamp of the depth image, nanoseconds.
+        frame_id: the name of the camera's optical frame (REP-103).
+        depth: metres, 0 if the sensor measured nothing, shape (H, W), float32.
         labels: the number of the body that a pixel shows, or NO_BODY, shape (H, W), int32.
-        camera: the intrinsics.
+        camera: the intrinsics of the depth image.
         ground_truth: the labelled skeletons, or None.
     """
 

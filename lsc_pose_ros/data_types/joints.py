@@ -1,6 +1,6 @@
-"""The vocabulary of joints: their numbers, their names, the trees that tie them together.
+"""The joints: their numbers, their names, and the trees that connect them.
 
-Names and frames follow REP-155 where it has one. Left and right are the person's own.
+Names follow REP-155 where it defines one. Left and right are the person's own.
 """
 
 from collections.abc import Iterable, Sequence
@@ -15,16 +15,18 @@ JOINT_NAMES: tuple[str, ...] = (
     'l_shoulder', 'l_elbow', 'l_wrist', 'l_hand', 'l_hip', 'l_knee', 'l_ankle', 'l_foot',
     'r_shoulder', 'r_elbow', 'r_wrist', 'r_hand', 'r_hip', 'r_knee', 'r_ankle', 'r_foot',
 )  # fmt: skip
+"""The names of all joints; a joint's number is its index."""
 
 JOINT_NUMBERS: dict[str, int] = {name: number for number, name in enumerate(JOINT_NAMES)}
+"""The number of each joint, by name."""
 
-# The paper's 17: what `train` estimates unless it is told otherwise.
+# The joints that `train` learns by default: the 17 of the paper.
 DEFAULT_JOINTS: tuple[str, ...] = tuple(
     name for name in JOINT_NAMES if name not in {'pelvis', 'l_foot', 'r_foot'}
 )
 
-# Each joint's parent (paper, Fig. 3a): the upper body hangs on the neck, the lower body on the
-# pelvis, and nothing joins the two.
+# The parent of each joint (paper, Fig. 3a). The neck is the root of the upper body, the pelvis of
+# the lower body; no edge connects the two.
 PARENTS: dict[str, str] = {
     'head': 'neck',
     'torso': 'neck',
@@ -51,7 +53,7 @@ def numbers_of(names: Iterable[str]) -> NDArray[np.uint16]:
     """Return the numbers of the joints called `names`, sorted and without repetition, shape (J,).
 
     Raises:
-        InputError: a name is not in the vocabulary, or there is none.
+        InputError: a name is unknown, or `names` is empty.
     """
     wanted = set(names)
     unknown = sorted(wanted - set(JOINT_NUMBERS))
@@ -72,12 +74,12 @@ def names_of(numbers: NDArray[np.uint16] | Sequence[int]) -> list[str]:
 def default_edges(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int32]:
     """Return the paper's two trees as pairs (parent, child) of indices into `numbers`, (E, 2).
 
-    A joint whose parent is not among `numbers` hangs on its nearest ancestor that is. Where the
-    root itself is missing, the first of its descendants (in the vocabulary's order) stands in.
+    If the parent of a joint is not in `numbers`, its nearest ancestor in `numbers` replaces it. If
+    the root is missing, the descendant with the lowest number replaces it.
     """
     names = names_of(numbers)
     index = {name: position for position, name in enumerate(names)}
-    stand_in: dict[str, str] = {}
+    substitute: dict[str, str] = {}
     edges: list[tuple[int, int]] = []
     for name in names:
         ancestor = name
@@ -88,16 +90,16 @@ def default_edges(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int
         if ancestor == name:  # a root
             continue
         if ancestor not in index:
-            ancestor = stand_in.setdefault(ancestor, name)
+            ancestor = substitute.setdefault(ancestor, name)
         if ancestor != name:
             edges.append((index[ancestor], index[name]))
     return np.array(edges, dtype=np.int32).reshape(-1, 2)
 
 
 def leg_pairs(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int32]:
-    """Return the knees, ankles and feet of which both are known, as pairs of indices, (P, 2).
+    """Return the pairs of knees, ankles and feet in `numbers` as indices (left, right), (P, 2).
 
-    Left first; a pair of hips is none, they never change places.
+    Hips are not included, because their positions are never exchanged.
     """
     names = names_of(numbers)
     pairs = [(f'l_{part}', f'r_{part}') for part in ('knee', 'ankle', 'foot')]

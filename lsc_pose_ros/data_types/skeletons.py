@@ -1,4 +1,4 @@
-"""The skeletons of one frame, and the 20 bytes a joint that a PointCloud2 carries of them."""
+"""The skeletons of one frame, and their points of 20 bytes in a PointCloud2."""
 
 from typing import NamedTuple
 
@@ -22,10 +22,11 @@ class Skeletons(NamedTuple):
     """The bodies of one frame: B bodies, each with the same J joints.
 
     Attributes:
-        bodies: the number of each body, as the mask's pixels give it, shape (B,).
-        joints: the number of each joint in the vocabulary, shape (J,).
-        positions: metres in the camera's optical frame, NaN where unknown, shape (B, J, 3).
-        confidence: 0 (unknown) to 1, shape (B, J).
+        bodies: the number of each body, shape (B,): the value of its mask pixels.
+        joints: the number of each joint, an index into JOINT_NAMES, shape (J,).
+        positions: metres in the camera's optical frame, NaN if unknown, shape (B, J, 3).
+        confidence: the probability that the joint is within 10 cm of its true position, 0 if the
+            joint is unknown, shape (B, J).
     """
 
     bodies: NDArray[np.uint16]
@@ -35,7 +36,7 @@ class Skeletons(NamedTuple):
 
 
 def no_skeletons(joints: NDArray[np.uint16]) -> Skeletons:
-    """Return the answer to a frame that shows nobody."""
+    """Return the skeletons of a frame without bodies."""
     count = len(joints)
     return Skeletons(
         np.zeros(0, np.uint16),

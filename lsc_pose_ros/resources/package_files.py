@@ -1,4 +1,4 @@
-"""Finds the files that come with the package: configuration, models, the body."""
+"""Finds the files of the package: configuration, models and bodies."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -9,14 +9,14 @@ PACKAGE = 'lsc_pose_ros'
 RESOURCES = f'{PACKAGE}.resources'
 
 DEFAULT_MODEL = 'default'
-"""The model of the package that is used where none is named."""
+"""The model of the package that is used if none is named."""
 
 
 def resource(*parts: str) -> Path:
     """Return the path of a file of the package, e.g. `resource('config', 'pose_node.yaml')`.
 
     Raises:
-        InputError: the file is not there.
+        InputError: the file does not exist.
     """
     path = _folder().joinpath(*parts)
     if path.exists():
@@ -31,10 +31,10 @@ def _folder() -> Path:
 
 
 def default_model() -> Path:
-    """Return the path of the model that comes with the package.
+    """Return the path of the default model of the package.
 
     Raises:
-        InputError: none does.
+        InputError: the package has none.
     """
     try:
         return resource('models', f'{DEFAULT_MODEL}.npz')
@@ -47,26 +47,26 @@ def default_model() -> Path:
 
 
 def shipped_models() -> dict[str, Path]:
-    """Return the models that come with the package, by name: the file's without its suffix."""
+    """Return the paths of the models of the package, by the name of the file without suffix."""
     return {path.stem: path for path in sorted((_folder() / 'models').glob('*.npz'))}
 
 
 def find_model(name: str | Path = '') -> Path:
-    """Return the path of the model that a user calls `name`.
+    """Return the path of the model `name`.
 
     Args:
-        name: a path; or the bare name of a model that comes with the package, such as 'default';
-            or empty, for that one.
+        name: a path, or the name of a model of the package such as 'default', or empty for the
+            default model. An existing file takes precedence over a model of the package.
 
     Raises:
-        InputError: a bare name is neither a file nor a model of the package, or no model comes
-            with the package.
+        InputError: the name is neither a file nor a model of the package, or the package has no
+            default model.
     """
     word = str(name)
     if not word:
         return default_model()
     path = Path(word)
-    # What looks like a path is left to the reader of model files, who says what is wrong with it.
+    # The reader of model files reports what is wrong with a path.
     if path.is_file() or path.suffix or len(path.parts) != 1:
         return path
     models = shipped_models()

@@ -6,7 +6,7 @@ import pytest
 from lsc_pose_ros.data_types.body_frame import body_frame, quaternion
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, names_of, numbers_of
 
-# Somebody who stands 3 m away and faces the camera; optical frame: x right, y down, z forward.
+# A person who stands 3 m away and faces the camera; optical frame: x right, y down, z forward.
 BODY_YAW = {
     'head': (0.0, -0.7, 3.0),
     'neck': (0.0, -0.5, 3.0),
@@ -38,7 +38,7 @@ def random_rotation(random):
     return rotation if np.linalg.det(rotation) > 0 else -rotation
 
 
-def test_somebody_who_faces_the_camera():
+def test_person_who_faces_the_camera():
     frame = body_frame(*joints_of(BODY_YAW))
     np.testing.assert_allclose(frame.origin, (0, 0, 3), atol=1e-6)
     np.testing.assert_allclose(frame.axes, BODY_YAW_AXES, atol=1e-6)
@@ -67,7 +67,7 @@ def test_the_frame_turns_with_the_body():
     ],
 )
 @pytest.mark.parametrize('unknown', ['not in the model', 'not seen'])
-def test_other_joints_stand_in(missing, unknown):
+def test_other_joints_replace_missing_ones(missing, unknown):
     if unknown == 'not in the model':
         places = {name: place for name, place in BODY_YAW.items() if name not in missing}
     else:
@@ -83,13 +83,13 @@ def test_no_frame_without_hips_and_pelvis():
     assert body_frame(*joints_of(places)) is None
 
 
-def test_axes_are_a_rotation_whatever_the_joints_are():
+def test_axes_are_a_rotation_for_any_joints():
     random = np.random.default_rng(5)
     numbers = numbers_of(JOINT_NAMES)
     for trial in range(200):
         positions = random.normal(size=(len(numbers), 3)).astype(np.float32)
         positions[random.random(len(numbers)) < 0.4] = np.nan
-        if trial % 4 == 0:  # all in one place
+        if trial % 4 == 0:  # all at one position
             positions[:] = positions[0]
         frame = body_frame(numbers, positions)
         if frame is not None:
@@ -98,7 +98,7 @@ def test_axes_are_a_rotation_whatever_the_joints_are():
 
 
 def matrix(x, y, z, w):
-    """The rotation matrix of a unit quaternion, as every textbook has it."""
+    """The rotation matrix of a unit quaternion, as in textbooks."""
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],

@@ -1,4 +1,4 @@
-"""Where the files of the package are found."""
+"""The files of the package are found."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ from lsc_pose_ros.resources.package_files import (
 )
 
 
-def test_files_of_the_package_are_found_wherever_it_is_imported_from() -> None:
+def test_files_of_the_package_are_found() -> None:
     assert resource('config', 'pose_node.yaml').is_file()
     assert resource('config', 'fastdds_profile.xml').is_file()
     assert resource('bodies', 'body.npz').is_file()
@@ -44,7 +44,7 @@ def test_models_have_names(shipped: Path) -> None:
     assert find_model('front') == find_model(Path('front')) == front
 
 
-def test_a_file_goes_before_a_model_of_the_package_of_that_name(
+def test_file_takes_precedence_over_a_model_of_the_package(
     shipped: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (shipped / 'front.npz').touch()
@@ -56,13 +56,13 @@ def test_a_file_goes_before_a_model_of_the_package_of_that_name(
     assert find_model('front') == Path('front')
 
 
-def test_what_looks_like_a_path_is_one(shipped: Path) -> None:
+def test_name_with_a_suffix_or_a_folder_is_a_path(shipped: Path) -> None:
     (shipped / 'front.npz').touch()
     for path in ('front.npz', 'folder/front', '/front', '../front'):
         assert find_model(path) == Path(path)
 
 
-def test_an_unknown_name_is_answered_with_those_that_there_are(shipped: Path) -> None:
+def test_unknown_name_is_refused_with_the_known_names(shipped: Path) -> None:
     with pytest.raises(InputError, match=r'no model file back, .* no model does'):
         find_model('back')
     for name in ('front', 'default'):
