@@ -1,8 +1,7 @@
-"""Compile all kernels now: `python -m lsc_pose_ros.compile`.
+"""Compile all kernels in advance: `python -m lsc_pose_ros.compile`.
 
-What is first needed is compiled then, which takes a while, and kept on disk. This does it
-beforehand, as a part of an installation; run it as the user who will run the programs, on the
-computer that they will run on.
+Otherwise, kernels are compiled on first use and cached on disk. Run this program after the
+installation, as the user who will run the other programs and on the same computer.
 """
 
 import argparse
@@ -29,7 +28,7 @@ from lsc_pose_ros.training.tree_growth import BRANCH_SAMPLES, GrowthSettings, gr
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Compile all kernels, say how long it took and where they are kept, and return 0."""
+    """Compile all kernels, print the time and the folder of the cache, and return 0."""
     description, _, more = (__doc__ or '').partition('\n\n')
     argparse.ArgumentParser(
         prog='python -m lsc_pose_ros.compile', description=description, epilog=more
@@ -42,7 +41,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def compile_kernels() -> None:
-    """Call every kernel once: synthetic people, training, estimation, RVL images."""
+    """Call each kernel once: synthetic people, training, estimation, RVL images."""
     model = _train()
     for graph in (True, False):
         warm_up(Estimator(model, graph=graph))
@@ -52,17 +51,17 @@ def compile_kernels() -> None:
         if segmenter is not None:
             warm_up_segmenter(segmenter, settings.background_seconds)
     encode_rvl(np.zeros(1, np.uint16))
-    for sensor in ('kinect_v1', 'tof'):  # the two ways to measure depth
+    for sensor in ('kinect_v1', 'tof'):  # triangulation and time of flight
         scene = SyntheticSettings(frames=2, sensor=sensor, rate=30.0, background=True)
         for _ in synthetic_frames(scene):
             pass
 
 
 def _train() -> Model:
-    """Train on two frames of two people, and grow the trunk of a tree, which takes far more.
+    """Train on two frames of two people with each feature, and grow the top of a larger tree.
 
     Returns:
-        a model with the paper's feature that knows facings; the rivals are learnt, too.
+        a model with the paper's feature and body yaw.
     """
     training = TrainingSettings(numbers_of(DEFAULT_JOINTS), trees=1)
     settings = SyntheticSettings(frames=2, people=2)
