@@ -1,4 +1,4 @@
-"""`lsc_pose`: finds the command, runs it, and turns what goes wrong into one line and a status."""
+"""`lsc_pose`: runs a command and turns errors into one line and an exit status."""
 
 import argparse
 import importlib
@@ -27,7 +27,7 @@ used, or 1 for any other failure; {DEBUG_VARIABLE}=1 shows the traceback of thos
 
 
 class Command(NamedTuple):
-    """Where a command lives, and what the list of commands says of it."""
+    """The module of a command, and its line in the list of commands."""
 
     module: str
     help: str
@@ -42,10 +42,10 @@ class CommandModule(Protocol):
         """Add the command's own arguments to `parser`."""
 
     def run(self, arguments: argparse.Namespace) -> int:
-        """Carry the command out; return the exit status."""
+        """Run the command and return the exit status."""
 
 
-# The help lines stand here, too, so that `--help` need not import numba and matplotlib.
+# The help lines are repeated here, so that `--help` imports neither numba nor matplotlib.
 COMMANDS: dict[str, Command] = {
     'import': Command(
         'lsc_pose_ros.cli.commands.import_command',
@@ -82,10 +82,10 @@ COMMANDS: dict[str, Command] = {
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run `lsc_pose` with `words` (default: the process's own) and return the exit status.
+    """Run `lsc_pose` with `words` (default: `sys.argv[1:]`) and return the exit status.
 
     Raises:
-        SystemExit: the words are wrong (status 2), or ask for help or the version (status 0).
+        SystemExit: the words are wrong (status 2), or request help or the version (status 0).
     """
     try:
         status = _run(list(sys.argv[1:] if words is None else words))
@@ -113,28 +113,42 @@ def _run(words: list[str]) -> int:
     subparsers = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
     module: CommandModule | None = None
     for listed, command in COMMANDS.items():
-        # A command's own arguments cost its imports, so only the one that is called adds them.
+        # Adding the arguments of a command imports its module, so only the called command does.
         subparser = subparsers.add_parser(listed, help=command.help)
         if listed == name:
             module = load(command)
             subparser.description = module.HELP
             module.add_arguments(subparser)
     arguments = parser.parse_args(words)
-    if module is None:  # parse_args has refused every other word already
+    if module is None:  # parse_args has refused all other words already
         parser.error('name a command')
     return module.run(arguments)
 
 
 def load(command: Command) -> CommandModule:
-    """Import the module of `command`."""
-    return cast('CommandModule', importlib.import_module(command.module))
+    """Import the module of `command`.
+
+    Raises:
+        InputError: the package of the command is not installed.
+    """
+    try:
+        return cast('CommandModule', importlib.import_module(command.module))
+    except ModuleNotFoundError as error:
+        package = command.module.partition('.')[0]
+        if error.name != package:
+            raise
+        msg = (
+            f'the package {package} of this command is not installed; '
+            'run `pip install ./experiments` in a clone of the repository'
+        )
+        raise InputError(msg) from error
 
 
 def _complain(message: str) -> None:
-    """Print `message` on stderr as one line, whatever line breaks it holds."""
+    """Print `message` on stderr as one line, without its line breaks."""
     print(f'{PROGRAM}: error: {" ".join(message.split())}', file=sys.stderr)
 
 
 def _silence_stdout() -> None:
-    """Keep Python from complaining at its exit about what it cannot write to a closed pipe."""
+    """Prevent an error message at exit about a closed pipe."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,4 +1,4 @@
-"""What every command shares: how it is found, and how it ends."""
+"""What all commands share: how they are found, and how they end."""
 
 import argparse
 import io
@@ -29,11 +29,11 @@ def python(*words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.fixture
 def command(monkeypatch: pytest.MonkeyPatch) -> Callable[[Callable[[], int]], None]:
-    """Put a command `fake` in the place of all others; it does what the test gives."""
+    """Replace all commands by `fake`, which runs the function of the test."""
 
     def put(act: Callable[[], int]) -> None:
         module = SimpleNamespace(
-            HELP='does what the test wants',
+            HELP='runs the function of the test',
             add_arguments=lambda parser: parser.add_argument('--number', type=int),
             run=lambda _arguments: act(),
         )
@@ -96,7 +96,26 @@ def test_wrong_words_end_with_2_and_the_usage(
     assert capsys.readouterr().err.startswith('usage: lsc_pose')
 
 
-def test_a_command_gives_its_own_status(command: Callable[[Callable[[], int]], None]) -> None:
+def test_command_of_a_missing_package_says_how_to_install_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    missing = cli.Command('package_that_is_missing.command', 'does nothing')
+    monkeypatch.setattr(cli, 'COMMANDS', {'missing': missing})
+    assert cli.main(['missing']) == cli.BAD_INPUT
+    assert 'package_that_is_missing of this command is not installed' in capsys.readouterr().err
+
+
+def test_failing_import_in_a_command_is_no_missing_package(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    (tmp_path / 'broken_command.py').write_text('import package_that_is_missing\n')
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(cli, 'COMMANDS', {'broken': cli.Command('broken_command', 'fails')})
+    assert cli.main(['broken']) == cli.FAILURE
+    assert 'ModuleNotFoundError' in capsys.readouterr().err
+
+
+def test_command_returns_its_own_status(command: Callable[[Callable[[], int]], None]) -> None:
     command(lambda: 7)
     assert cli.main(['fake']) == 7
 
@@ -136,7 +155,7 @@ def test_the_debug_variable_shows_the_traceback(
     assert lines[-1] == 'lsc_pose: error: ValueError: odd shape'
 
 
-def test_an_interrupt_ends_with_130_and_nothing_to_read(
+def test_interrupt_ends_with_130_and_without_output(
     command: Callable[[Callable[[], int]], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     command(fail_with(KeyboardInterrupt()))
@@ -165,7 +184,7 @@ def test_a_closed_pipe_is_no_error() -> None:
     assert (process.returncode, complaint) == (cli.PIPE_CLOSED, b'')
 
 
-def test_progress_is_silent_where_nobody_watches(capsys: pytest.CaptureFixture[str]) -> None:
+def test_progress_is_silent_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert list(progress(iter('abc'), 3, 'reading')) == ['a', 'b', 'c']
     assert capsys.readouterr() == ('', '')
 
@@ -179,7 +198,7 @@ def test_progress_draws_a_bar_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> 
     assert '3' in terminal.getvalue()
 
 
-def test_topics_are_found_by_themselves_unless_they_are_named() -> None:
+def test_topics_are_found_automatically_unless_named() -> None:
     parser = argparse.ArgumentParser()
     add_topic_arguments(parser)
     assert topics_of(parser.parse_args([])) == Topics()
