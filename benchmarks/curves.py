@@ -1,8 +1,8 @@
 # ruff: noqa: INP001 - a program, not a package
-"""How time grows with each of the numbers that a user may choose.
+"""Measures how the time of a frame grows with each number that a user can choose.
 
-`python benchmarks/curves.py` measures, in a few minutes, and writes results.json, curves.png and
-the tables of README.md beside itself. `--draw` only draws and writes anew what was measured.
+`python benchmarks/curves.py` measures for a few minutes and writes results.json, curves.png and
+the tables of README.md, next to itself. With `--draw` it measures nothing and draws results.json.
 """
 
 import argparse
@@ -17,8 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from page import draw_curves, write_tables
+from plain_comparison import compare_with_plain
 
-from lsc_pose_ros.cli.output.bench_results import bench_results
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.machine import describe_machine, versions
 from lsc_pose_ros.cli.output.progress import progress
@@ -50,21 +50,21 @@ _TIMED = SyntheticSettings(frames=TIMED_FRAMES, seed=2, clip_length=2)
 
 
 class Labelled(NamedTuple):
-    """A frame with its truth, in a third of a Frame's memory."""
+    """A frame with its ground truth, in a third of a Frame's memory."""
 
     encoded: EncodedFrame
     ground_truth: Skeletons | None
 
 
 class Setup(NamedTuple):
-    """One point of a curve: what is timed on which frames."""
+    """One point of a curve: an estimator and the frames that it is timed on."""
 
     estimator: Estimator
     frames: list[EncodedFrame]
 
 
 def main() -> int:
-    """Measure, or read what was measured, and write the page; return the exit status."""
+    """Measure, or read earlier results, and write the page; return the exit status."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--draw', action='store_true', help='measure nothing')
     results_file = _HERE / 'results.json'
@@ -77,7 +77,7 @@ def main() -> int:
 
 
 def measure() -> dict[str, object]:
-    """Return all that is measured, as `page` reads it."""
+    """Return all results, as `page` reads them."""
     begin = time.monotonic()
     labelled = [
         Labelled(encode_frame(frame), frame.ground_truth)
@@ -106,7 +106,7 @@ def measure() -> dict[str, object]:
 def _time_training(labelled: Sequence[Labelled]) -> dict[str, object]:
     """Return how long training takes, from encoded frames to the model in memory.
 
-    The processors' time, unlike the seconds that pass, hardly depends on what else they do.
+    The processor time, unlike the elapsed time, hardly depends on other load.
     """
     _train(labelled[:20], 1)  # compiles
     seconds, processor_seconds = [], []
@@ -135,7 +135,7 @@ def _frames(labelled: Sequence[Labelled]) -> Iterator[Frame]:
 
 
 def _time_stages(model: Model) -> list[dict[str, Any]]:
-    """Return what `lsc_pose bench` measures: all points voting at two sizes, and the default."""
+    """Return the times of the stages beside the plain kernels: three sizes and query points."""
     settings = model.settings
     results = []
     for (width, height), queries in (
@@ -144,10 +144,8 @@ def _time_stages(model: Model) -> list[dict[str, Any]]:
         ((320, 240), settings.query_points),
     ):
         tell(f'stages at {width}x{height}, {queries} points vote')
-        estimator = Estimator(with_settings(model, query_points=queries))
-        frames = warm_up(estimator, people(width, height))
-        times = list(time_frames(estimator, frames))
-        results.append(bench_results(estimator.model, frames, times))
+        changed = with_settings(model, query_points=queries)
+        results.append(compare_with_plain(changed, people(width, height)))
     return results
 
 
@@ -178,14 +176,14 @@ def time_together(
 ) -> dict[str, Any]:
     """Return a curve: the summaries of `runs`, one for each of `values`.
 
-    The runs take turns frame by frame, so that what else the machine does slows down all alike.
+    The runs take turns, a block of frames each, so other load slows down all alike.
     """
     tell(f'{len(runs)} runs, for {", ".join(map(str, values))}')
     setups = []
     for model, frames in runs:
         estimator = Estimator(model)
         setups.append(Setup(estimator, warm_up(estimator, frames)))
-    clocks = [time_frames(estimator, frames, compare=False) for estimator, frames in setups]
+    clocks = [time_frames(estimator, frames) for estimator, frames in setups]
     turns = list(zip(*clocks, strict=False))
     columns = [summarise_times(times) for times in zip(*turns, strict=True)]
     return {
@@ -212,7 +210,7 @@ def people(width: int, height: int, number: int = 1) -> list[EncodedFrame]:
 
 
 def _choose_bodies(width: int, height: int, count: int) -> Iterator[EncodedFrame]:
-    """Yield frames of four people of whom `count` are in the mask, each of them equally often."""
+    """Yield frames of four people with `count` of them in the mask, each equally often."""
     for number, encoded in enumerate(people(width, height, max(BODIES))):
         depth, labels = decode_frame(encoded)
         bodies = [1 + (number + k) % max(BODIES) for k in range(count)]
@@ -231,7 +229,7 @@ def with_trees(model: Model, trees: int) -> Model:
 
 
 def tell(sentence: str) -> None:
-    """Say on stderr what is being done."""
+    """Print on stderr what is being measured."""
     sys.stderr.write(f'curves: {sentence}\n')
 
 

@@ -1,5 +1,5 @@
 # ruff: noqa: INP001 - a program, not a package
-"""What `curves.py` has measured, as a picture and as tables."""
+"""The results of `curves.py` as a figure and as tables."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -11,19 +11,24 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from lsc_pose_ros.evaluation.benchmark import WHOLE
-from lsc_pose_ros.evaluation.stage_times import STAGES
+from lsc_pose_ros.evaluation.benchmark import DECODE, WHOLE
+from lsc_pose_ros.pose.stages import STAGE_NAMES
 from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure, save_png, write_beside
-from lsc_pose_ros.viz.drawing.legend import place_legend
+from lsc_pose_ros.viz.drawing.legend import add_legend_entries
 
-# Told apart by the colour-blind too (Okabe and Ito), neighbours also by their lightness.
+_STAGES = (DECODE, *STAGE_NAMES)
+
+# Colour-blind people can distinguish them (Okabe and Ito); neighbours also differ in lightness.
 _COLOURS = dict(
     zip(
-        STAGES,
-        ('#bdbdbd', '#0072b2', '#56b4e9', '#f0e442', '#d55e00', '#009e73'),
+        _STAGES,
+        (
+            '#bdbdbd', '#8c8c8c', '#0072b2', '#56b4e9', '#f0e442', '#d55e00', '#e69f00', '#009e73',
+            '#cc79a7',
+        ),
         strict=True,
     )
-)
+)  # fmt: skip
 _INK = '#1a1a1a'
 
 
@@ -44,7 +49,7 @@ def draw_curves(results: dict[str, Any], path: Path) -> None:
         }.items(),
         strict=False,
     ):
-        _draw_stages(plot, curves[name], _places(name, curves[name]['values']))
+        _draw_stages(plot, curves[name], _x_positions(name, curves[name]['values']))
         plot.set_xlabel(title)
     axes[0].set_ylabel('milliseconds a frame')
     axes[3].set_ylabel('milliseconds a frame')
@@ -53,29 +58,31 @@ def draw_curves(results: dict[str, Any], path: Path) -> None:
     save_png(figure, path)
 
 
-def _places(name: str, values: Sequence[Any]) -> list[float]:
+def _x_positions(name: str, values: Sequence[Any]) -> list[float]:
     if name != 'size':
         return list(values)
     widths_heights = [value.split('x') for value in values]
     return [float(width) * float(height) for width, height in widths_heights]
 
 
-def _draw_stages(axes: Axes, curve: dict[str, Any], places: list[float]) -> None:
+def _draw_stages(axes: Axes, curve: dict[str, Any], positions: list[float]) -> None:
     stages = curve['stages']
     axes.stackplot(
-        places,
-        [stages[stage]['ms_p50'] for stage in STAGES],
-        colors=[_COLOURS[stage] for stage in STAGES],
+        positions,
+        [stages[stage]['ms_p50'] for stage in _STAGES],
+        colors=[_COLOURS[stage] for stage in _STAGES],
         edgecolor='white',
         linewidth=0.6,
     )
-    axes.plot(places, stages[WHOLE]['ms_p50'], color=_INK, marker='o', markersize=4, linewidth=1.2)
-    axes.plot(places, stages[WHOLE]['ms_p95'], color=_INK, linestyle=':', linewidth=1.2)
+    axes.plot(
+        positions, stages[WHOLE]['ms_p50'], color=_INK, marker='o', markersize=4, linewidth=1.2
+    )
+    axes.plot(positions, stages[WHOLE]['ms_p95'], color=_INK, linestyle=':', linewidth=1.2)
     if isinstance(curve['values'][0], str):
         axes.set_xscale('log', base=2)
         axes.minorticks_off()
-    axes.set_xticks(places, [str(value) for value in curve['values']])
-    axes.set_xlim(min(places), max(places))
+    axes.set_xticks(positions, [str(value) for value in curve['values']])
+    axes.set_xlim(min(positions), max(positions))
     axes.set_ylim(bottom=0)
 
 
@@ -96,16 +103,16 @@ def _draw_training(axes: Axes, training: dict[str, Any]) -> None:
 
 
 def _explain(figure: Figure) -> None:
-    entries: list[Any] = [Patch(color=_COLOURS[stage], label=stage) for stage in STAGES]
+    entries: list[Any] = [Patch(color=_COLOURS[stage], label=stage) for stage in _STAGES]
     lines = [
         Line2D([], [], color=_INK, marker='o', markersize=4, label='whole, median'),
         Line2D([], [], color=_INK, linestyle=':', label='whole, 95 % of the frames'),
     ]
-    place_legend(figure, [*entries, *lines])
+    add_legend_entries(figure, [*entries, *lines])
 
 
 def write_tables(results: dict[str, Any], path: Path) -> None:
-    """Put the tables of `results` where the page at `path` has those of the last time."""
+    """Replace the tables in the page at `path` by those of `results`."""
     page = path.read_text(encoding='utf-8')
     tables = '\n\n'.join(
         [

@@ -11,7 +11,7 @@ from lsc_pose_experiments.experiment import MEAN, SIZES, Experiment, Row, points
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure
 from lsc_pose_ros.viz.drawing.colours import BORDER, CURVES
-from lsc_pose_ros.viz.drawing.legend import place_legend
+from lsc_pose_ros.viz.drawing.legend import add_legend_entries
 
 _MARKERS = 'osD^v'
 # The curves that are drawn, and how; the means of all joints are what the paper draws.
@@ -62,7 +62,7 @@ def _finish(
 ) -> None:
     pair[0].set_title('mean error, cm')
     pair[1].set_title(f'within {100 * experiment.tolerance:g} cm, %')
-    place_legend(figure, legend)
+    add_legend_entries(figure, legend)
 
 
 def _draw_curves(axes: Axes, rows: list[Row], value: _Value, paper: _Value) -> None:

@@ -1,4 +1,4 @@
-"""How fast a model is: every stage timed on the same frames, beside the plain kernels."""
+"""Times the estimation of frames: the whole frame, and each stage of the method."""
 
 import time
 from collections.abc import Iterator, Sequence
@@ -10,40 +10,34 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.encoded_frame import EncodedFrame, decode_frame
-from lsc_pose_ros.evaluation.stage_times import (
-    DESCRIPTOR,
-    FAST,
-    PLAIN,
-    STAGES,
-    STAGES_WITH_PLAIN_KERNELS,
-    walk,
-)
 from lsc_pose_ros.pose.estimator import Estimator
-from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.pose.stage_clock import StageClock
+from lsc_pose_ros.pose.stages import STAGE_NAMES
+
+DECODE = 'decode'
+"""From the bytes of depth image and mask to arrays; it comes before the stages of the method."""
 
 WHOLE = 'whole'
-"""From a frame's bytes to its skeletons; what the stages add up to."""
+"""From a frame's bytes to its skeletons, timed without an observer."""
 
+TIMED = (DECODE, *STAGE_NAMES, WHOLE)
+"""The names of all times of a frame in their order."""
 
-# So many frames are done in one way, then in the other: in a stream, too, a frame finds the caches
-# as the frame before has left them.
-TURN = 10
+# This many frames are timed as a whole, then the same frames stage by stage. Within such a block a
+# frame finds the caches as the frame before has left them, like in a stream.
+BLOCK = 10
 
 
 class FrameTimes(NamedTuple):
-    """What one frame cost, all of its bodies together.
+    """The times of one frame, all of its bodies together.
 
     Attributes:
-        seconds: of each stage, and of WHOLE.
-        plain: the same with the plain kernels, without the stages that have none; empty where
-            they were not run.
-        apart: the distances between the joints found both ways, metres, shape (B, J); NaN where
-            neither way found a joint, infinity where only one did.
+        seconds: the seconds of each name in TIMED.
+        positions: the estimated joints, metres, NaN if not estimated, shape (B, J, 3).
     """
 
     seconds: dict[str, float]
-    plain: dict[str, float]
-    apart: NDArray[np.float32]
+    positions: NDArray[np.float32]
 
 
 class StageSummary(NamedTuple):
@@ -51,60 +45,67 @@ class StageSummary(NamedTuple):
 
     Attributes:
         ms_p50: the median.
-        ms_p95: 95 % of the frames took no longer.
-        plain_ms_p50: the plain kernels' median; None where the stage has none of its own.
-        ratio_to_plain: how many times as long the plain kernels took: the ratio of the medians.
+        ms_p95: 95 % of the frames took at most this long.
     """
 
     ms_p50: float
     ms_p95: float
-    plain_ms_p50: float | None
-    ratio_to_plain: float | None
 
 
 def warm_up(estimator: Estimator, frames: Sequence[EncodedFrame]) -> list[EncodedFrame]:
-    """Compile and run all that will be timed; return the frames in which somebody is estimated.
+    """Compile all kernels that are timed; return the frames in which a body is estimated.
 
     Raises:
         InputError: there is no such frame.
     """
-    seen = [frame for frame in frames if np.isfinite(_estimate(estimator, frame).positions).any()]
-    if not seen:
+    valid = [frame for frame in frames if np.isfinite(_estimate(estimator, frame).positions).any()]
+    if not valid:
         msg = (
-            f'nobody is seen well enough in any of {len(frames)} frames; '
-            'time them on a recording with people, or at a larger size'
+            f'too little of a person is visible in each of {len(frames)} frames; '
+            'use a recording with people, or a larger size'
         )
         raise InputError(msg)
-    for kernels in (FAST, PLAIN):
-        walk(estimator.model, seen[0], kernels)
-    return seen
+    return valid
 
 
-def time_frames(
-    estimator: Estimator, frames: Sequence[EncodedFrame], *, compare: bool = True
-) -> Iterator[FrameTimes]:
+def time_frames(estimator: Estimator, frames: Sequence[EncodedFrame]) -> Iterator[FrameTimes]:
     """Time one frame after the other, on one core.
 
+    A block of frames is timed before its first one is yielded. To compare estimators, `zip` their
+    iterators: they take turns block by block, so other load on the machine slows down all alike.
+
     Args:
-        estimator: with the graph; WHOLE is its `estimate`, with the decoding before it.
+        estimator: runs all stages of the method.
         frames: those that `warm_up` has returned.
-        compare: whether the plain kernels take turns with the fast ones, a few frames each, so
-            that what else the machine does slows down both.
 
     Yields:
-        the times of each frame, turn by turn.
+        the times of each frame.
     """
-    for start in range(0, len(frames), TURN):
-        turn = frames[start : start + TURN]
-        wholes = [_time_whole(estimator, frame) for frame in turn]
-        stages = [walk(estimator.model, frame, FAST).seconds for frame in turn]
-        plain = [_time_plain(estimator.model, frame) for frame in turn] if compare else []
-        for n, (whole, positions) in enumerate(wholes):
-            seconds = stages[n] | {WHOLE: whole}
-            if plain:
-                yield FrameTimes(seconds, plain[n][0], _apart(positions, plain[n][1]))
-            else:
-                yield FrameTimes(seconds, {}, _apart(positions, positions))
+    for start in range(0, len(frames), BLOCK):
+        block = frames[start : start + BLOCK]
+        wholes = [_time_whole(estimator, frame) for frame in block]
+        stages = [time_stages(estimator, frame) for frame in block]
+        for (whole, positions), seconds in zip(wholes, stages, strict=True):
+            yield FrameTimes(seconds | {WHOLE: whole}, positions)
+
+
+def time_stages(estimator: Estimator, frame: EncodedFrame) -> dict[str, float]:
+    """Return the seconds of decoding and of each stage for one frame, all bodies together."""
+    clock = StageClock((DECODE, *STAGE_NAMES))
+    depth, labels = decode_frame(frame)
+    clock(DECODE)
+    estimator.estimate(depth, labels, frame.camera, clock)
+    return clock.seconds
+
+
+def summarise_times(times: Sequence[FrameTimes]) -> dict[str, StageSummary]:
+    """Return the summary of each name in TIMED."""
+    summaries = {}
+    for stage in TIMED:
+        seconds = np.array([frame.seconds[stage] for frame in times])
+        median, most = 1000 * np.percentile(seconds, (50, 95))
+        summaries[stage] = StageSummary(float(median), float(most))
+    return summaries
 
 
 def _time_whole(estimator: Estimator, frame: EncodedFrame) -> tuple[float, NDArray[np.float32]]:
@@ -113,36 +114,6 @@ def _time_whole(estimator: Estimator, frame: EncodedFrame) -> tuple[float, NDArr
     return time.perf_counter() - begin, skeletons.positions
 
 
-def _time_plain(model: Model, frame: EncodedFrame) -> tuple[dict[str, float], NDArray[np.float32]]:
-    walked = walk(model, frame, PLAIN)
-    seconds = walked.seconds | {WHOLE: sum(walked.seconds.values())}
-    if model.settings.feature != '3dlsc':
-        del seconds[DESCRIPTOR]
-    return seconds, walked.positions
-
-
-def summarise_times(times: Sequence[FrameTimes]) -> dict[str, StageSummary]:
-    """Return the summary of each stage, in their order, and of WHOLE."""
-    summaries = {}
-    for stage in (*STAGES, WHOLE):
-        seconds = np.array([frame.seconds[stage] for frame in times])
-        middle, most = 1000 * np.percentile(seconds, (50, 95))
-        plain = None
-        compared = all(stage in frame.plain for frame in times)
-        if compared and stage in (*STAGES_WITH_PLAIN_KERNELS, WHOLE):
-            plain = 1000 * float(np.median([frame.plain[stage] for frame in times]))
-        summaries[stage] = StageSummary(
-            float(middle), float(most), plain, None if plain is None else plain / float(middle)
-        )
-    return summaries
-
-
 def _estimate(estimator: Estimator, frame: EncodedFrame) -> Skeletons:
     depth, labels = decode_frame(frame)
     return estimator.estimate(depth, labels, frame.camera)
-
-
-def _apart(first: NDArray[np.float32], second: NDArray[np.float32]) -> NDArray[np.float32]:
-    apart: NDArray[np.float32] = np.linalg.norm(first - second, axis=-1).astype(np.float32)
-    only_one = np.isnan(first[..., 0]) != np.isnan(second[..., 0])
-    return np.where(only_one, np.float32(np.inf), apart)

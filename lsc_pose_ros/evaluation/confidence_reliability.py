@@ -1,8 +1,9 @@
-"""Whether confidence can be believed: of the joints with confidence c, a share c should be near.
+"""How reliable the confidence is: of the joints with confidence c, a fraction c should be near.
 
-The expected calibration error is the mean over all labelled joints of |confidence - share|, both
-taken in bins of confidence (Naeini, Cooper, Hauskrecht, AAAI 2015). A constant confidence can have
-none of it; the Brier score, the mean of (confidence - outcome)^2, tells who knows more.
+The expected calibration error is the mean of |confidence - fraction| over all labelled joints,
+both taken in bins of confidence (Naeini, Cooper, Hauskrecht, AAAI 2015). It can be 0 even if all
+confidences are equal. The Brier score, the mean of (confidence - outcome)^2, also measures how
+well the confidence separates near joints from others.
 """
 
 from typing import NamedTuple
@@ -18,28 +19,28 @@ BINS = 10
 
 
 class Bin(NamedTuple):
-    """The joints with a confidence of `least` up to `most`.
+    """The joints with a confidence from `least` to `most`.
 
     Attributes:
         least: inclusive.
-        most: exclusive, but for the last bin.
+        most: exclusive, except for the last bin.
         confidence: their mean confidence.
-        share: which share of them lies within NEAR of the truth.
-        n: how many they are.
+        fraction: the fraction of them within NEAR of the ground truth.
+        n: their number.
     """
 
     least: float
     most: float
     confidence: float
-    share: float
+    fraction: float
     n: int
 
 
 class Reliability(NamedTuple):
-    """How far confidence is to be believed.
+    """The reliability of the confidence.
 
     Attributes:
-        within_m: NEAR, which distance from the truth is as good as claimed, metres.
+        within_m: NEAR, the distance from the ground truth up to which a joint is near, metres.
         ece: the expected calibration error over all labelled joints.
         brier: their Brier score.
         joints: the expected calibration error of each joint by name.
@@ -64,9 +65,9 @@ def measure_reliability(evaluation: Evaluation) -> Reliability:
     outcomes = near[labelled]
     bins = bin_by_confidence(confidence[labelled], outcomes)
     joints = {
-        name: expected_error(bin_by_confidence(confidence[mine, j], near[mine, j]))
-        for j, (name, mine) in enumerate(zip(names_of(evaluation.joints), labelled.T, strict=True))
-        if mine.any()
+        name: expected_error(bin_by_confidence(confidence[rows, j], near[rows, j]))
+        for j, (name, rows) in enumerate(zip(names_of(evaluation.joints), labelled.T, strict=True))
+        if rows.any()
     }
     brier = float(np.mean((confidence[labelled] - outcomes) ** 2))
     return Reliability(NEAR, expected_error(bins), brier, joints, bins)
@@ -75,12 +76,12 @@ def measure_reliability(evaluation: Evaluation) -> Reliability:
 def bin_by_confidence(
     confidence: NDArray[np.float64], near: NDArray[np.bool_], count: int = BINS
 ) -> list[Bin]:
-    """Return the bins, of `count` evenly spaced ones, that are not empty.
+    """Return those of `count` evenly spaced bins that are not empty.
 
     Args:
         confidence: 0 to 1, shape (n,).
-        near: whether the joint is as near as claimed, shape (n,).
-        count: how many bins.
+        near: whether the joint is within NEAR of the ground truth, shape (n,).
+        count: the number of bins.
     """
     numbers = np.minimum((confidence * count).astype(np.int64), count - 1)
     return [
@@ -96,6 +97,6 @@ def bin_by_confidence(
 
 
 def expected_error(bins: list[Bin]) -> float:
-    """Return the expected calibration error: sum over bins of n/N |confidence - share|."""
+    """Return the expected calibration error: sum over bins of n/N |confidence - fraction|."""
     total = sum(each.n for each in bins)
-    return sum(each.n * abs(each.confidence - each.share) for each in bins) / total
+    return sum(each.n * abs(each.confidence - each.fraction) for each in bins) / total

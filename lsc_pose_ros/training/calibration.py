@@ -15,10 +15,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.pose.estimator import Estimator
-from lsc_pose_ros.pose.inference.confidence import KNOTS, NEAR, support
+from lsc_pose_ros.pose.body_estimate import BodyEstimate
+from lsc_pose_ros.pose.inference.confidence import KNOTS, NEAR, vote_fractions
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly
+from lsc_pose_ros.pose.stages import joint_stages, run_stages
 from lsc_pose_ros.training.samples import Person
 
 # How many people a prior stands for, at each of the shares.
@@ -57,16 +58,17 @@ def calibrate(model: Model, people: Iterable[Person]) -> Model:
 
 def gather_evidence(model: Model, people: Iterable[Person]) -> Evidence:
     """Return how near to the truth `model` comes with `people`, and with how many votes."""
-    estimator = Estimator(model)
+    stages = joint_stages(model)
     settings = model.settings
     shares: list[NDArray[np.float32]] = []
     near: list[NDArray[np.float32]] = []
     for person in people:
         queries = choose_uniformly(len(person.points), settings.query_points)
         points = person.points[queries] * np.float32(person.scale)
-        answer = estimator.answer(points, person.quantised[queries], person.scale)
-        errors = np.linalg.norm(answer.joints - person.joints * person.scale, axis=-1)
-        shares.append(support(answer.joint_votes, answer.joints, settings.joint_bandwidth))
+        body = BodyEstimate.from_descriptors(points, person.quantised[queries], person.scale)
+        run_stages(stages, body)
+        errors = np.linalg.norm(body.joints - person.joints * person.scale, axis=-1)
+        shares.append(vote_fractions(body.joint_votes, body.joints, settings.joint_bandwidth))
         near.append(np.where(np.isnan(errors), np.nan, errors <= NEAR).astype(np.float32))
     shape = -1, len(model.joints)
     return Evidence(

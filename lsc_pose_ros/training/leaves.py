@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel, parallel_kernel
 from lsc_pose_ros.pose.forest.forest import LeafVotes
-from lsc_pose_ros.pose.inference.density import Cloud, climb, squared_distance
+from lsc_pose_ros.pose.inference.density import VoteCloud, climb, squared_distance
 from lsc_pose_ros.training.samples import Samples
 from lsc_pose_ros.training.tree_growth import Tree
 
@@ -154,7 +154,7 @@ def largest_clusters(
     step = max(1, -(-offsets.shape[0] // settings.most_samples))
     thinned = offsets[::step].copy()
     x, y, z = thinned.T.copy()
-    cloud = Cloud(x, y, z, np.ones(thinned.shape[0], np.float32))
+    cloud = VoteCloud(x, y, z, np.ones(thinned.shape[0], np.float32))
     centres = np.empty_like(thinned)
     sizes = np.zeros(thinned.shape[0], np.float32)
     found = 0

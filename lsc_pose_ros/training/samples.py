@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.pose.estimator import bodies_in, find_shape
+from lsc_pose_ros.pose.estimator import bodies_in
 from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.pose.stages import describe_body
 
 
 class Samples(NamedTuple):
@@ -68,14 +69,14 @@ def people_in(frame: Frame, joints: NDArray[np.uint16], settings: Settings) -> I
     for row, body in enumerate(frame.ground_truth.bodies.tolist()):
         if body not in visible or np.isnan(places[row]).all():
             continue
-        shape = find_shape(frame.depth, frame.labels, body, (frame.camera, everyone))
-        if shape is not None:
-            scale = np.float32(shape.scale)
+        described = describe_body(frame.depth, frame.labels, frame.camera, body, everyone)
+        if described is not None:
+            scale = np.float32(described.scale)
             yield Person(
-                shape.quantised,
-                shape.points / scale,
+                described.quantised,
+                described.points / scale,
                 places[row] / scale,
-                shape.scale,
+                described.scale,
             )
 
 

@@ -1,1 +1,1 @@
-"""Pictures and reports, drawn from arrays."""
+"""Figures and reports, drawn from arrays."""

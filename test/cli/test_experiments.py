@@ -200,7 +200,7 @@ def test_bad_input_is_named_before_anything_is_done(recordings, people, tmp_path
     assert not out.exists()
     (tmp_path / 'file').write_text('')
     line = complaint(capsys, 'experiments', tmp_path / 'file', '--recordings', recordings[0])
-    assert 'cannot be made a folder' in line
+    assert 'cannot create this folder' in line
 
 
 def test_an_unknown_experiment_names_those_there_are(recordings, tmp_path, capsys):

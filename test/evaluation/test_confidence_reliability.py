@@ -35,7 +35,7 @@ def test_bins_count_what_is_near():
         (0.9, 1.0, 1),
     ]
     assert [each.confidence for each in bins] == pytest.approx([0.025, 0.75, 1.0])
-    assert [each.share for each in bins] == pytest.approx([0.5, 0.5, 1.0])
+    assert [each.fraction for each in bins] == pytest.approx([0.5, 0.5, 1.0])
     assert expected_error(bins) == pytest.approx((2 * 0.475 + 2 * 0.25 + 0) / 5)
 
 

@@ -13,7 +13,7 @@ from lsc_pose_ros.model_io.model_header import VERSION
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.forest.body_yaw import with_body_yaw
 from lsc_pose_ros.pose.forest.forest import find_leaves
-from lsc_pose_ros.pose.inference.confidence import support, uncalibrated
+from lsc_pose_ros.pose.inference.confidence import uncalibrated, vote_fractions
 from lsc_pose_ros.training.samples import labelled_people
 
 # The offsets of joints are rounded to 0.02 rho_bar; half of that in metres, with rho_bar at 0.5 m.
@@ -72,8 +72,8 @@ def test_without_calibration_the_confidence_is_the_fraction_of_the_votes(
     assert len(model.calibration) == 0
     assert describe_model(model)['confidence'] == 'the fraction of the votes'
     frame = people[30]
-    stages = Estimator(model).stages(frame.depth, frame.labels, frame.camera, 1)
-    fractions = support(stages.joint_votes, stages.joints, model.settings.joint_bandwidth)
+    stages = Estimator(model).estimate_body(frame.depth, frame.labels, frame.camera, 1)
+    fractions = vote_fractions(stages.joint_votes, stages.joints, model.settings.joint_bandwidth)
     found = Estimator(model).estimate(frame.depth, frame.labels, frame.camera)
     np.testing.assert_array_equal(found.confidence[0], fractions)
 

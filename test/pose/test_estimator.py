@@ -5,7 +5,8 @@ import pytest
 
 from lsc_pose_ros.data_types.camera import project
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.pose.estimator import FEWEST_POINTS, Estimator, bodies_in
+from lsc_pose_ros.pose.estimator import Estimator, bodies_in
+from lsc_pose_ros.pose.stages import FEWEST_POINTS
 
 
 @pytest.fixture(scope='module')
@@ -76,16 +77,17 @@ def test_joints_lie_on_the_person_and_are_confident(estimator, people):
 
 def test_stages_lead_to_the_estimate(estimator, people):
     frame = people[20]
-    stages = estimator.stages(frame.depth, frame.labels, frame.camera, 1)
+    stages = estimator.estimate_body(frame.depth, frame.labels, frame.camera, 1)
     found = estimator.estimate(frame.depth, frame.labels, frame.camera)
     np.testing.assert_array_equal(stages.joints, found.positions[0])
     alone = Estimator(estimator.model, graph=False)
     np.testing.assert_array_equal(
-        stages.alone, alone.estimate(frame.depth, frame.labels, frame.camera).positions[0]
+        stages.unary, alone.estimate(frame.depth, frame.labels, frame.camera).positions[0]
     )
     chosen_is_candidate = [
         (
-            np.abs(stages.candidates.places[j, : stages.candidates.counts[j]] - place).max(1) == 0
+            np.abs(stages.candidates.positions[j, : stages.candidates.counts[j]] - place).max(1)
+            == 0
         ).any()
         for j, place in enumerate(stages.chosen)
     ]
@@ -98,12 +100,12 @@ def test_the_confidence_is_looked_up_for_the_share_of_votes_that_support_the_joi
     frame = people[20]
     calibration = estimator.model.calibration
     knots = np.linspace(0, 1, calibration.shape[1])
-    stages = estimator.stages(frame.depth, frame.labels, frame.camera, 1)
+    stages = estimator.estimate_body(frame.depth, frame.labels, frame.camera, 1)
     found = estimator.estimate(frame.depth, frame.labels, frame.camera)
     votes = stages.joint_votes
     for joint, place in enumerate(stages.joints):
         mine = slice(votes.start[joint], votes.start[joint + 1])
-        squared = ((votes.place[mine] - place) ** 2).sum(axis=1)
+        squared = ((votes.position[mine] - place) ** 2).sum(axis=1)
         h = estimator.model.settings.joint_bandwidth
         support = (votes.weight[mine] * np.exp(-squared / h**2)).sum() / votes.weight[mine].sum()
         expected = np.interp(support, knots, calibration[joint])

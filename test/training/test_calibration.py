@@ -4,7 +4,7 @@ import pytest
 from lsc_pose_ros.evaluation.confidence_reliability import measure_reliability
 from lsc_pose_ros.evaluation.evaluate import evaluate
 from lsc_pose_ros.pose.estimator import Estimator
-from lsc_pose_ros.pose.inference.confidence import KNOTS, support
+from lsc_pose_ros.pose.inference.confidence import KNOTS, vote_fractions
 from lsc_pose_ros.synthetic.generator import synthetic_frames
 from lsc_pose_ros.training.calibration import (
     Evidence,
@@ -99,8 +99,8 @@ def test_evidence_is_what_the_estimator_answers(small_model, people):
     settings = small_model.settings._replace(query_points=70)
     model = small_model._replace(settings=settings)
     evidence = gather_evidence(model, labelled_people([frame], model.joints, settings))
-    stages = Estimator(model).stages(frame.depth, frame.labels, frame.camera, 1)
-    expected = support(stages.joint_votes, stages.joints, settings.joint_bandwidth)
+    stages = Estimator(model).estimate_body(frame.depth, frame.labels, frame.camera, 1)
+    expected = vote_fractions(stages.joint_votes, stages.joints, settings.joint_bandwidth)
     np.testing.assert_allclose(evidence.shares[0], expected, atol=1e-4)
     errors = np.linalg.norm(
         stages.joints - frame.ground_truth.positions[0, small_model.joints], axis=-1

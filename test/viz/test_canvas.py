@@ -68,7 +68,7 @@ def test_what_cannot_be_written_names_the_file_and_leaves_nothing(tmp_path: Path
 
 def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
     (tmp_path / 'file').touch()
-    with pytest.raises(InputError, match=r'file/below: cannot be made a folder'):
+    with pytest.raises(InputError, match=r'file/below: cannot create this folder'):
         make_directory(tmp_path / 'file' / 'below')
 
 

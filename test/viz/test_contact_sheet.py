@@ -8,7 +8,7 @@ from PIL import Image
 
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.viz.drawing.canvas import png_bytes
-from lsc_pose_ros.viz.drawing.colours import EDGE, LEFT, RIGHT, TRUTH
+from lsc_pose_ros.viz.drawing.colours import EDGE, GROUND_TRUTH, LEFT, RIGHT
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
 
@@ -29,20 +29,20 @@ def test_estimate_ground_truth_and_silhouette_are_drawn_in_their_colours(
     drawn: list[DrawnFrame],
 ) -> None:
     image = pixels(drawn[:1])
-    assert min(count(image, colour) for colour in (LEFT, RIGHT, TRUTH, EDGE)) > 10
+    assert min(count(image, colour) for colour in (GROUND_TRUTH, LEFT, RIGHT, EDGE)) > 10
 
 
 def test_without_an_estimate_the_ground_truth_takes_the_colours_of_the_sides(
     drawn: list[DrawnFrame],
 ) -> None:
     image = pixels([drawn[0]._replace(estimate=None)])
-    assert count(image, TRUTH) == 0
+    assert count(image, GROUND_TRUTH) == 0
     assert min(count(image, LEFT), count(image, RIGHT)) > 10
 
 
 def test_without_ground_truth_only_the_estimate_is_drawn(drawn: list[DrawnFrame]) -> None:
     image = pixels([drawn[0]._replace(frame=drawn[0].frame._replace(ground_truth=None))])
-    assert count(image, TRUTH) == 0
+    assert count(image, GROUND_TRUTH) == 0
     assert count(image, LEFT) > 10
 
 

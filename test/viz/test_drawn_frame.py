@@ -4,8 +4,8 @@ import pytest
 from lsc_pose_ros.data_types.camera import Intrinsics, project
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.pose.estimator import find_shape
 from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.pose.stages import describe_body
 from lsc_pose_ros.viz.drawing.colours import LEFT, MIDDLE, RIGHT, bone_colour, side_colour
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, caption, only_joints, silhouette_pixels
 
@@ -40,7 +40,7 @@ NAN = float('nan')
         ([[0.0, 0.0, 0.0]], [[0.01, 0.02, 0.06]], 'frame 3: 3.0 cm'),
         ([[0.0, NAN, 0.0]], [[0.01, 0.50, 0.03]], 'frame 3: 2.0 cm'),
         ([[0.0, 0.0, 0.0]], [[0.02, NAN, 0.04]], 'frame 3: 3.0 cm, 1 missing'),
-        ([[0.0, 0.0, 0.0]], [[NAN, NAN, NAN]], 'frame 3: no answer'),
+        ([[0.0, 0.0, 0.0]], [[NAN, NAN, NAN]], 'frame 3: no estimate'),
         ([[0.0] * 3, [0.0] * 3], [[0.02] * 3], 'frame 3: 2.0 cm, 3 missing'),
         ([[NAN, NAN, NAN]], [[0.0, 0.0, 0.0]], 'frame 3'),
     ],
@@ -69,7 +69,7 @@ def test_silhouette_pixels_are_those_of_the_method(fill_holes: int, people: list
     depth = people[0].depth.copy()
     depth[::4, ::4] = 0
     frame = people[0]._replace(depth=depth)
-    shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
+    shape = describe_body(frame.depth, frame.labels, frame.camera, 1, settings)
     assert shape is not None
     wanted = shape.silhouette.points
     pixels = silhouette_pixels(frame, settings)

@@ -162,7 +162,7 @@ def test_reliability_is_drawn_bin_by_bin(evaluation: Evaluation, text: str) -> N
     reliability = measure_reliability(evaluation)
     shares, counts = reliability_plot(reliability).axes
     drawn = shares.lines[1].get_xydata()
-    wanted = [(100 * each.confidence, 100 * each.share) for each in reliability.bins]
+    wanted = [(100 * each.confidence, 100 * each.fraction) for each in reliability.bins]
     np.testing.assert_allclose(drawn, wanted)
     assert sum(bar.get_height() for bar in counts.patches) == pytest.approx(100)
     assert f'off by {100 * reliability.ece:.1f} %' in text

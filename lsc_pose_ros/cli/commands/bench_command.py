@@ -1,4 +1,4 @@
-"""`lsc_pose bench`: how long each stage takes, beside the plain kernels in the same run."""
+"""`lsc_pose bench`: time each stage of the method."""
 
 import argparse
 import sys
@@ -27,7 +27,7 @@ from lsc_pose_ros.synthetic.generator import synthetic_frames
 from lsc_pose_ros.synthetic.settings import SyntheticSettings, sensor_of
 from lsc_pose_ros.training.train import TrainingSettings, train
 
-HELP = 'time every stage, beside the plain kernels'
+HELP = 'time each stage of the method'
 
 TRAINING = SyntheticSettings(frames=300, seed=1, clip_length=3)
 """What is learned from where there is no model."""

@@ -21,7 +21,7 @@ from lsc_pose_ros.resources.package_files import DEFAULT_MODEL, find_model, ship
 from lsc_pose_ros.viz.drawing.canvas import save_png
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
-from lsc_pose_ros.viz.stages.seen_body import SeenBody, see_body
+from lsc_pose_ros.viz.stages.shown_body import ShownBody, show_body
 from lsc_pose_ros.viz.stages.stage_sheet import stage_sheet, write_stages
 
 HELP = """Draw frames of a recording on one sheet: depth, silhouette points, the estimated and the
@@ -211,16 +211,16 @@ def _draw_stages(
     frame = pick(frames, [number], str(arguments.recording))[0].frame
     _warn(reader)
     model = estimator.model if estimator is not None else None
-    seen = see_body(f'frame {number}', frame, arguments.body, model)
-    _save_stages(arguments.output, seen)
+    shown = show_body(f'frame {number}', frame, arguments.body, model)
+    _save_stages(arguments.output, shown)
 
 
-def _save_stages(output: Path, seen: SeenBody) -> None:
+def _save_stages(output: Path, shown: ShownBody) -> None:
     if output.suffix == _SUFFIX:
-        save_png(stage_sheet(seen), output)
+        save_png(stage_sheet(shown), output)
         print(output)
         return
-    for path in write_stages(output, seen):
+    for path in write_stages(output, shown):
         print(path)
 
 

@@ -2,9 +2,9 @@
 
 J. Shotton et al., "Real-time human pose recognition in parts from single depth images", CVPR
 2011, eq. 1: f(I, x) = d(x + u / d(x)) - d(x + v / d(x)), the difference of the depths at two
-offsets from a pixel; what is not the body is very far away. There each split draws its own pairs
-(u, v). Here offsets and pairs are drawn once, so that the pairs are numbered features like the
-bins of a histogram; and many pairs share few offsets, since it is the probing that takes time.
+offsets from a pixel; everything but the body is very far away. There each split draws its own
+pairs (u, v). Here offsets and pairs are drawn once, so the pairs are numbered features like the
+bins of a histogram. Many pairs share few offsets because reading the depths takes the time.
 """
 
 import random
@@ -18,28 +18,28 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 
-# How many offsets the pairs share. How many pairs there are and how far offsets reach are
-# settings. On real people, learnt from 600 and 2,000 frames, pools of 300 to 2,000 pairs differ by
+# The number of offsets that the pairs share. The number of pairs and the reach of offsets are
+# settings. On real people, trained on 600 and 2,000 frames, pools of 300 to 2,000 pairs differ by
 # no more than other seeds do, so there are as many pairs as the paper's feature has bins. Offsets
-# up to 0.25, 0.5 and 0.8 m differ little; with the middle one the mean error is least.
+# up to 0.25, 0.5 and 0.8 m differ little; the mean error is smallest with 0.5 m.
 OFFSETS = 128
 
-# What a probe beside the body finds, metres.
+# The depth beside the body, metres.
 FAR = 10.0
 
-# A difference is kept as the byte MIDDLE + difference / DEPTH_STEP: +-1 m, more than an arm
-# stretched to the camera, to 8 mm, less than a sensor's noise. One probe beside the body gives an
-# end of the scale, both give MIDDLE.
+# A difference is quantised to the byte MIDDLE + difference / DEPTH_STEP. The range is +-1 m, more
+# than an arm stretched to the camera; the step is 8 mm, less than a sensor's noise. If one depth
+# is beside the body, the byte is 0 or 255; if both are, it is MIDDLE.
 DEPTH_STEP = 0.008
 MIDDLE = 128
 
 
 class OffsetPool(NamedTuple):
-    """Offsets, and the pairs of them that are compared.
+    """Offsets, and the pairs of offsets that are compared.
 
     Attributes:
         offsets: x and y in metres, shape (OFFSETS + 1, 2); the first is 0, the point itself.
-        first, second: which offsets the pairs compare, shape (pairs,) each.
+        first, second: the indices of the two offsets of each pair, shape (pairs,) each.
     """
 
     offsets: NDArray[np.float32]
@@ -56,12 +56,12 @@ def offset_pool(pairs: int, reach: float, seed: int) -> OffsetPool:
     pair the second offset is 0: the point itself is compared.
 
     Args:
-        pairs: how many.
-        reach: how far an offset reaches in x and in y, metres.
-        seed: of the draws.
+        pairs: the number of pairs.
+        reach: the largest offset in x and in y, metres.
+        seed: the seed of the random numbers.
     """
-    # Python's own generator, since its `random` gives the same numbers in every version: a model
-    # carries the seed and not the pool.
+    # Python's own generator because its `random` gives the same numbers in every version: a model
+    # file holds the seed, not the pool.
     draw = random.Random(seed).random  # noqa: S311 - nothing secret
     offsets = np.zeros((OFFSETS + 1, 2))
     offsets[1:] = [[reach * (2 * draw() - 1) for _ in range(2)] for _ in range(OFFSETS)]
@@ -70,7 +70,7 @@ def offset_pool(pairs: int, reach: float, seed: int) -> OffsetPool:
     first, second = chosen.T.astype(np.int32, order='C')
     pool = OffsetPool(offsets.astype(np.float32), first, second)
     for array in pool:
-        array.flags.writeable = False  # it is handed out again and again
+        array.flags.writeable = False  # the cache returns it again
     return pool
 
 
@@ -78,10 +78,10 @@ def offset_pool(pairs: int, reach: float, seed: int) -> OffsetPool:
 def compare_depths(
     window: Window, pixels: NDArray[np.int32], pool: OffsetPool, camera: Intrinsics
 ) -> NDArray[np.uint8]:
-    """Return the depth comparisons of some of the body's pixels as levels, shape (Q, pairs).
+    """Return the quantised depth comparisons of some of the body's pixels, shape (Q, pairs).
 
-    A level is MIDDLE + (d(x + u f / d(x)) - d(x + v f / d(x))) / DEPTH_STEP, rounded and clipped
-    to a byte; d is FAR beside the body and beside the image.
+    Each is MIDDLE + (d(x + u f / d(x)) - d(x + v f / d(x))) / DEPTH_STEP, rounded and clipped to a
+    byte; d is FAR beside the body and outside of the image.
 
     Args:
         window: the body.
@@ -107,8 +107,8 @@ def compare_depths(
 
 @kernel
 def _probe(depth: NDArray[np.float32], row: float, column: float) -> np.float32:
-    """Return the depth at the pixel nearest to a place in the window."""
-    # Compared as numbers with a fraction: far out they are no integers any more.
+    """Return the depth at the pixel nearest to a position in the window."""
+    # Compared before conversion: positions far outside do not fit into an integer.
     row, column = row + 0.5, column + 0.5
     if not (0 <= row < depth.shape[0] and 0 <= column < depth.shape[1]):
         return np.float32(FAR)

@@ -1,57 +1,40 @@
-"""What the forest can see of a point: the paper's feature and its rivals, by `Settings.feature`.
+"""The features of points, by `Settings.feature`: that of the paper and its rivals.
 
-- `3dlsc`: the 3-D Local Shape Context, 360 bins (`descriptor.py`). With `Settings.binning` each
-  point can count in one bin only (`plain/descriptor.py`), which the paper measures in its Fig. 11.
+- `3dlsc`: the 3-D Local Shape Context, 360 bins (`shape_context_3d.py`). With `Settings.binning`
+  set to 'nearest' each point counts in one bin only (`nearest_bin.py`), as in the paper's Fig. 11.
 - `2dsc`: the shape context in the image plane, 60 bins, radii in units of the mean distance of the
   points in the image (`shape_context_2d.py`).
-- `dcf`: depth differences at pairs of random offsets, `Settings.offset_pairs` of them, on the
-  smoothed depth (`depth_difference.py`).
-- `mixed`: `3dlsc` and `dcf` side by side, which goes beyond the paper: the silhouette tells where
-  on the body a point is, the depth around it which way a limb goes.
+- `dcf`: depth differences at `Settings.offset_pairs` pairs of random offsets, on the smoothed
+  depth (`depth_comparison.py`).
+- `mixed`: `3dlsc` and `dcf` side by side. This goes beyond the paper: the silhouette shows where
+  on the body a point is, the depth around it in which direction a limb points.
 
-All else stays the same: how points are chosen, the forest, rho_bar as the unit of offsets, votes
-and graph. With `Settings.sample` the points can be taken from the whole body instead of its
-silhouette. Then these points are all that the shape contexts know: each is described by where the
-others of them lie, and rho_bar is their mean distance.
+All else stays the same: the choice of points, the forest, rho_bar as the unit of offsets, votes
+and graph. If `Settings.sample` is 'body', the points are spread over the whole body instead of its
+silhouette. The shape contexts then use these points only: each is described by the positions of
+the others, and rho_bar is their mean distance.
 
 Girshick et al., "Efficient regression of general-activity human poses from depth images", ICCV
-2011, is `dcf` on points of the body with each joint on its own: `lsc_pose train --feature dcf
---sample body`, then `lsc_pose evaluate --no-graph`.
+2011, is `dcf` on points of the body with each joint estimated by itself: `lsc_pose train --feature
+dcf --sample body`, then `lsc_pose evaluate --no-graph`.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.plain.descriptor import describe_by_nearest_bin, quantise
 from lsc_pose_ros.pose.features.depth_comparison import compare_depths, offset_pool
+from lsc_pose_ros.pose.features.nearest_bin import describe_by_nearest_bin, quantise
 from lsc_pose_ros.pose.features.shape_context_2d import SIZE, describe_in_image
 from lsc_pose_ros.pose.features.shape_context_3d import DESCRIPTOR_SIZE, describe, mean_distance
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.silhouette import Silhouette
 
 
-class Seen(NamedTuple):
-    """What features are computed from.
-
-    Attributes:
-        silhouette: the body's points and its smoothed depth.
-        scale: rho_bar, metres.
-        camera: the intrinsics.
-        settings: which feature, and its parameters.
-    """
-
-    silhouette: Silhouette
-    scale: float
-    camera: Intrinsics
-    settings: Settings
-
-
 def feature_size(settings: Settings) -> int:
-    """Return F, how many numbers describe a point."""
+    """Return F, the number of features of a point."""
     return {
         '3dlsc': DESCRIPTOR_SIZE,
         '2dsc': SIZE,
@@ -60,46 +43,81 @@ def feature_size(settings: Settings) -> int:
     }[settings.feature]
 
 
-def describe_points(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
-    """Return what the forest sees of some of the points, as levels, shape (Q, F).
+def describe_points(
+    silhouette: Silhouette,
+    queries: NDArray[np.int64],
+    scale: float,
+    camera: Intrinsics,
+    settings: Settings,
+) -> NDArray[np.uint8]:
+    """Return the quantised features of some of a body's points, shape (Q, F).
 
     Args:
-        seen: the body.
-        queries: which of its points, shape (Q,).
+        silhouette: the body's points and its smoothed depth.
+        queries: the indices of the points to describe, shape (Q,).
+        scale: rho_bar, metres.
+        camera: the intrinsics.
+        settings: which feature, and its parameters.
     """
-    return _DESCRIBE[seen.settings.feature](seen, queries)
+    return _DESCRIBE[settings.feature](silhouette, queries, scale, camera, settings)
 
 
-def _local_shape_context(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
-    points, settings = seen.silhouette.points, seen.settings
-    reach = seen.scale * settings.support_radius
+def _local_shape_context(
+    silhouette: Silhouette,
+    queries: NDArray[np.int64],
+    scale: float,
+    _camera: Intrinsics,
+    settings: Settings,
+) -> NDArray[np.uint8]:
+    points, radius = silhouette.points, scale * settings.support_radius
     if settings.binning == 'nearest':
-        return quantise(describe_by_nearest_bin(points, queries, reach, settings.inner_radius))
-    return describe(points, queries, reach, settings.inner_radius)
+        return quantise(describe_by_nearest_bin(points, queries, radius, settings.inner_radius))
+    return describe(points, queries, radius, settings.inner_radius)
 
 
-def _shape_context_in_image(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
-    silhouette, settings = seen.silhouette, seen.settings
+def _shape_context_in_image(
+    silhouette: Silhouette,
+    queries: NDArray[np.int64],
+    _scale: float,
+    _camera: Intrinsics,
+    settings: Settings,
+) -> NDArray[np.uint8]:
     pixels = np.zeros((len(silhouette.chosen), 3), np.float32)
     pixels[:, 0] = silhouette.columns[silhouette.chosen]
     pixels[:, 1] = silhouette.rows[silhouette.chosen]
-    reach = mean_distance(pixels) * settings.support_radius
-    return describe_in_image(pixels, queries, reach, settings.inner_radius)
+    radius = mean_distance(pixels) * settings.support_radius
+    return describe_in_image(pixels, queries, radius, settings.inner_radius)
 
 
-def _depth_comparison(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
-    silhouette, settings = seen.silhouette, seen.settings
+def _depth_comparison(
+    silhouette: Silhouette,
+    queries: NDArray[np.int64],
+    _scale: float,
+    camera: Intrinsics,
+    settings: Settings,
+) -> NDArray[np.uint8]:
     window, kept = silhouette.smoothed, silhouette.chosen[queries]
     rows, columns = silhouette.rows[kept] - window.row, silhouette.columns[kept] - window.column
     pool = offset_pool(settings.offset_pairs, settings.offset_reach, settings.offset_seed)
-    return compare_depths(window, np.stack([rows, columns], axis=1), pool, seen.camera)
+    return compare_depths(window, np.stack([rows, columns], axis=1), pool, camera)
 
 
-def _mixed(seen: Seen, queries: NDArray[np.int64]) -> NDArray[np.uint8]:
-    return np.hstack((_local_shape_context(seen, queries), _depth_comparison(seen, queries)))
+def _mixed(
+    silhouette: Silhouette,
+    queries: NDArray[np.int64],
+    scale: float,
+    camera: Intrinsics,
+    settings: Settings,
+) -> NDArray[np.uint8]:
+    shape_context = _local_shape_context(silhouette, queries, scale, camera, settings)
+    comparisons = _depth_comparison(silhouette, queries, scale, camera, settings)
+    return np.hstack((shape_context, comparisons))
 
 
-_DESCRIBE: dict[str, Callable[[Seen, NDArray[np.int64]], NDArray[np.uint8]]] = {
+_Describe = Callable[
+    [Silhouette, NDArray[np.int64], float, Intrinsics, Settings], NDArray[np.uint8]
+]
+_DESCRIBE: dict[str, _Describe] = {
     '3dlsc': _local_shape_context,
     '2dsc': _shape_context_in_image,
     'dcf': _depth_comparison,

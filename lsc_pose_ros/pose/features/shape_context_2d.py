@@ -1,8 +1,8 @@
 """The 2-D shape context of silhouette points: 2DSC, a rival of the paper's feature.
 
-It is the paper's descriptor without depth: A. Agarwal and B. Triggs, "Recovering 3D human pose
-from monocular images", PAMI 28(1), 2006, have the same 5 radius and 12 azimuth bins over the
-silhouette in the image, and do not turn with the local direction either.
+It is the paper's descriptor without depth. A. Agarwal and B. Triggs, "Recovering 3D human pose
+from monocular images", PAMI 28(1), 2006, use the same 5 radius and 12 azimuth bins over the
+silhouette in the image, also without rotation to the local direction.
 """
 
 import math
@@ -16,8 +16,8 @@ RADIUS_BINS = 5
 AZIMUTH_BINS = 12
 SIZE = RADIUS_BINS * AZIMUTH_BINS
 
-# A bin is kept as the byte LEVEL_SCALE * sqrt(h). Sixty bins fill more than 360 do, so that, other
-# than in the 3-D descriptor, none may be cut off.
+# A bin is quantised to the byte LEVEL_SCALE * sqrt(h). One of 60 bins holds more than one of 360,
+# so, unlike in the 3-D descriptor, the scale covers all values up to 1.
 LEVEL_SCALE = 255.0
 
 
@@ -28,19 +28,19 @@ def describe_in_image(
     radius: float,
     inner_radius: float,
 ) -> NDArray[np.uint8]:
-    """Return the 2-D shape contexts of some of the points as levels, shape (Q, 60).
+    """Return the quantised 2-D shape contexts of some of the points, shape (Q, 60).
 
     The bins are radius x azimuth. Every other point within `radius` adds the weight 1, split over
     the two nearest bin centres of both dimensions: the logarithm of the distance (clamped at the
-    ends), and the azimuth (it wraps). A level is round(LEVEL_SCALE sqrt(h)), h the bin's share of
-    all weight.
+    ends), and the azimuth (it wraps). A bin is quantised to round(LEVEL_SCALE sqrt(h)), h its
+    fraction of all weight.
 
     Args:
         pixels: column and row of each point, shape (N, 2).
-        centres: which of the points are described, shape (Q,); all points are their context.
-        radius: how far a descriptor reaches, pixels.
-        inner_radius: the inner limit of the first radius bin, as a share of `radius`; what is
-            nearer counts there.
+        centres: the indices of the points to describe, shape (Q,); all points are their context.
+        radius: the reach of a descriptor, pixels.
+        inner_radius: the inner limit of the first radius bin, as a fraction of `radius`; points
+            that are nearer count there.
     """
     quantised = np.empty((centres.shape[0], SIZE), np.uint8)
     histogram = np.empty((RADIUS_BINS, AZIMUTH_BINS))
@@ -52,11 +52,11 @@ def describe_in_image(
             dx = pixels[j, 0] - pixels[centres[q], 0]
             dy = pixels[j, 1] - pixels[centres[q], 1]
             squared = dx * dx + dy * dy
-            # Two points in one place have no direction between them.
+            # Two points at one position have no direction between them.
             if squared > radius * radius or squared == 0:
                 continue
-            place = RADIUS_BINS - 0.5 + 0.5 * math.log(squared / (radius * radius)) * per_log
-            _add(histogram, place, math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi)) - 0.5)
+            ring = RADIUS_BINS - 0.5 + 0.5 * math.log(squared / (radius * radius)) * per_log
+            _add(histogram, ring, math.atan2(dy, dx) * (AZIMUTH_BINS / (2 * math.pi)) - 0.5)
             total += 1
         scale = LEVEL_SCALE / math.sqrt(max(total, 1))
         for k in range(SIZE):
@@ -67,7 +67,7 @@ def describe_in_image(
 
 @kernel
 def _add(histogram: NDArray[np.float64], radius: float, azimuth: float) -> None:
-    """Split the weight 1 over the four bins around a place given in bin centres."""
+    """Split the weight 1 over the four bins around a position measured in bin centres."""
     radius = min(max(radius, 0.0), RADIUS_BINS - 1.0)
     near = min(int(radius), RADIUS_BINS - 2)
     to_far = radius - near

@@ -1,8 +1,7 @@
 """The 3-D Local Shape Context of silhouette points (paper, section 2.2).
 
-`plain/descriptor.py` says the same as its equations read. Here the work on a point is cut into
-passes: gather the points in reach, measure them all with arithmetic that vectorises, and only then
-scatter their weights over the bins, one by one.
+A point is described in three passes: gather the points in reach, compute the bins of all of them
+with arithmetic that vectorises, and add their weights to the bins one by one.
 """
 
 import math
@@ -19,12 +18,12 @@ AZIMUTH_BINS = 12
 ZENITH_BINS = 6
 DESCRIPTOR_SIZE = RADIUS_BINS * AZIMUTH_BINS * ZENITH_BINS
 
-# A descriptor's bins are kept as bytes: LEVEL_SCALE * sqrt(h), which spends the 255 levels where
-# the values lie (a bin holds 1/360 on average and rarely more than a quarter).
+# A descriptor's bins are quantised to bytes, LEVEL_SCALE * sqrt(h): the square root spends most
+# levels on small values (a bin holds 1/360 on average and rarely more than a quarter).
 LEVEL_SCALE = 512.0
 
-# While it is filled, a histogram has a thirteenth azimuth bin, so that the last bin has a
-# neighbour to split with; it is added to the first one in the end.
+# While it is filled, a histogram has a thirteenth azimuth bin as the neighbour of the last one; it
+# is added to the first bin in the end.
 _RING = (AZIMUTH_BINS + 1) * ZENITH_BINS
 
 _SINGLE: Any = np.float32
@@ -56,11 +55,11 @@ _ARC_COSINE = tuple(
 
 
 class _Reach(NamedTuple):
-    """The points in reach of one point, relative to it; only the first ones are in use.
+    """The points in reach of one point, relative to it; only the first `found` are valid.
 
     Attributes:
         x, y, z, squared: offset in metres and its squared length, shape (N,).
-        bits: the memory of `squared` as integers.
+        bits: a view of `squared` as integers.
     """
 
     x: NDArray[np.float32]
@@ -70,15 +69,15 @@ class _Reach(NamedTuple):
     bits: NDArray[np.int32]
 
 
-class _Places(NamedTuple):
-    """Where those points fall in the histogram, shape (N,) each.
+class _Bins(NamedTuple):
+    """The bins that those points fall into, shape (N,) each.
 
     Attributes:
-        bin: the lowest of the eight bins.
-        radius, azimuth, zenith: the share of the weight that goes to the next bin.
+        lowest: the lowest of the eight bins.
+        radius, azimuth, zenith: the fraction of the weight for the next bin.
     """
 
-    bin: NDArray[np.int32]
+    lowest: NDArray[np.int32]
     radius: NDArray[np.float32]
     azimuth: NDArray[np.float32]
     zenith: NDArray[np.float32]
@@ -88,7 +87,7 @@ class _Places(NamedTuple):
 def mean_distance(points: NDArray[np.float32]) -> float:
     """Return rho_bar, the mean distance over all pairs of `points`, shape (N, 3), in metres.
 
-    Fewer than two points have none: 0.
+    It is 0 for fewer than two points.
     """
     count = len(points)
     if count < 2:
@@ -112,27 +111,27 @@ def describe(
     radius: float,
     inner_radius: float,
 ) -> NDArray[np.uint8]:
-    """Return the 3DLSC descriptors of some of the points as levels, shape (Q, 360) (eq. 3, 4).
+    """Return the quantised 3DLSC descriptors of some of the points, shape (Q, 360) (eq. 3, 4).
 
     The bins are radius x azimuth x zenith. Every other point within `radius` adds the weight 1,
     split over the two nearest bin centres of each dimension: the logarithm of the distance, the
-    azimuth in the image plane (it wraps), and the zenith against the camera's z axis. A level is
-    min(255, round(LEVEL_SCALE sqrt(h))), h the bin's share of all weight; at the border between
-    two levels it may be off by one.
+    azimuth in the image plane (it wraps), and the zenith against the camera's z axis. A bin is
+    quantised to min(255, round(LEVEL_SCALE sqrt(h))), h its fraction of all weight; the rounding
+    may be off by one level.
 
     Args:
         points: metres, shape (N, 3).
-        centres: which of the points are described, shape (Q,); all points are their context.
-        radius: how far a descriptor reaches, metres.
-        inner_radius: the inner limit of the first radius bin, as a share of `radius`; what is
-            nearer counts there.
+        centres: the indices of the points to describe, shape (Q,); all points are their context.
+        radius: the reach of a descriptor, metres.
+        inner_radius: the inner limit of the first radius bin, as a fraction of `radius`; points
+            that are nearer count there.
     """
     count = len(points)
     x, y, z = points.T.copy()
     near = np.empty((4, count + 1), np.float32)
     reach = _Reach(near[0], near[1], near[2], near[3], near[3].view(np.int32))
-    shares = np.empty((3, count), np.float32)
-    places = _Places(np.empty(count, np.int32), shares[0], shares[1], shares[2])
+    fractions = np.empty((3, count), np.float32)
+    bins = _Bins(np.empty(count, np.int32), fractions[0], fractions[1], fractions[2])
     histogram = np.empty(RADIUS_BINS * _RING, np.float32)
     quantised = np.empty((len(centres), DESCRIPTOR_SIZE), np.uint8)
     # log2 of a squared distance, times `per_log`, plus `shift`, counts radius bins.
@@ -141,9 +140,9 @@ def describe(
     shift = _SINGLE(RADIUS_BINS - 0.5 - np.log2(radius) * bins_per_octave)
     for q in range(len(centres)):
         found = _gather(x, y, z, centres[q], _SINGLE(radius * radius), reach)
-        _measure(reach, found, per_log, shift, places)
+        _measure(reach, found, per_log, shift, bins)
         histogram[:] = 0
-        _scatter(places, found, histogram)
+        _scatter(bins, found, histogram)
         _to_quantised(histogram, found, quantised[q])
     return quantised
 
@@ -157,13 +156,13 @@ def _gather(
     farthest: float,
     reach: _Reach,
 ) -> int:
-    """Fill `reach` with what lies within the squared distance `farthest`; return how many."""
+    """Fill `reach` with the points within the squared distance `farthest`; return their number."""
     found = 0
     for j in range(len(x)):
         dx, dy, dz = x[j] - x[i], y[j] - y[i], z[j] - z[i]
         squared = dx * dx + dy * dy + dz * dz
-        # Written in any case and kept or not: half of the points are in reach, and a branch that
-        # cannot be foretold costs more. Points in one place have no direction between them.
+        # Always written, and overwritten if out of reach: half of the points are in reach, and an
+        # unpredictable branch costs more. Points at one position have no direction between them.
         reach.x[found], reach.y[found], reach.z[found] = dx, dy, dz
         reach.squared[found] = squared
         found += (squared <= farthest) & (squared > _ZERO)
@@ -171,8 +170,8 @@ def _gather(
 
 
 @kernel
-def _measure(reach: _Reach, found: int, per_log: float, shift: float, places: _Places) -> None:
-    """Turn offsets into bins and shares, without branches, so that the loop vectorises."""
+def _measure(reach: _Reach, found: int, per_log: float, shift: float, bins: _Bins) -> None:
+    """Compute bins and fractions from offsets, without branches so that the loop vectorises."""
     for j in range(found):
         radius = log2_from_bits(reach.bits[j]) * per_log + shift
         radius = min(max(radius, _ZERO), _SINGLE(RADIUS_BINS - 1))
@@ -181,23 +180,23 @@ def _measure(reach: _Reach, found: int, per_log: float, shift: float, places: _P
         cosine = reach.z[j] / math.sqrt(reach.squared[j])
         zenith = _arc_cosine(cosine) * _PER_ZENITH - _HALF
         zenith = min(max(zenith, _ZERO), _SINGLE(ZENITH_BINS - 1))
-        # The last bin and nothing of a next one is the one before it and all of the next.
+        # The very end of the scale is expressed as the last bin but one with fraction 1.
         near = min(np.int32(radius), np.int32(RADIUS_BINS - 2))
         first = min(np.int32(azimuth), np.int32(AZIMUTH_BINS - 1))
         front = min(np.int32(zenith), np.int32(ZENITH_BINS - 2))
-        places.radius[j] = radius - _SINGLE(near)
-        places.azimuth[j] = azimuth - _SINGLE(first)
-        places.zenith[j] = zenith - _SINGLE(front)
-        places.bin[j] = near * _RING + first * ZENITH_BINS + front
+        bins.radius[j] = radius - _SINGLE(near)
+        bins.azimuth[j] = azimuth - _SINGLE(first)
+        bins.zenith[j] = zenith - _SINGLE(front)
+        bins.lowest[j] = near * _RING + first * ZENITH_BINS + front
 
 
 @kernel
-def _scatter(places: _Places, found: int, histogram: NDArray[np.float32]) -> None:
+def _scatter(bins: _Bins, found: int, histogram: NDArray[np.float32]) -> None:
     """Split the weight 1 of each point over its eight bins (eq. 4)."""
     for j in range(found):
-        low = places.bin[j]
-        to_far, to_next, to_back = places.radius[j], places.azimuth[j], places.zenith[j]
-        # Eight lines, since a loop over the four corners costs a third more time.
+        low = bins.lowest[j]
+        to_far, to_next, to_back = bins.radius[j], bins.azimuth[j], bins.zenith[j]
+        # Eight lines because a loop over the four corners takes a third more time.
         weight = (_ONE - to_far) * (_ONE - to_next)
         histogram[low] += weight * (_ONE - to_back)
         histogram[low + 1] += weight * to_back
@@ -216,7 +215,7 @@ def _scatter(places: _Places, found: int, histogram: NDArray[np.float32]) -> Non
 def _to_quantised(
     histogram: NDArray[np.float32], found: int, quantised: NDArray[np.uint8]
 ) -> None:
-    """Divide by the sum of weights (eq. 3), and quantise."""
+    """Divide a histogram by the sum of weights (eq. 3), and quantise it."""
     scale = _SINGLE(LEVEL_SCALE * LEVEL_SCALE / max(found, 1))
     for r in range(RADIUS_BINS):
         ring = histogram[r * _RING : (r + 1) * _RING]

@@ -1,18 +1,18 @@
-"""Where a person faces, as a number that joins the descriptors, so that trees can split by it."""
+"""The body yaw as two numbers that are appended to the descriptors, so that trees split by it."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 BODY_YAW_SIZE = 2
-"""How many numbers the facing adds to a descriptor: its cosine and its sine."""
+"""How many numbers the body yaw adds to a descriptor: its cosine and its sine."""
 
 
 def body_yaw_of(across: NDArray[np.floating]) -> NDArray[np.float64]:
-    """Return where people face, radians, shape (...): 0 towards the camera, up to pi away from it.
+    """Return the body yaw, radians, shape (...): 0 facing the camera, +-pi facing away from it.
 
     Args:
         across: from the right to the left shoulder or hip in the optical frame, shape (..., 3);
-            positive angles face to image right.
+            a positive yaw faces to image right.
     """
     line = np.asarray(across, np.float64)
     body_yaw: NDArray[np.float64] = np.arctan2(line[..., 2], line[..., 0])
@@ -20,12 +20,12 @@ def body_yaw_of(across: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 def body_yaws_around(count: int) -> NDArray[np.float64]:
-    """Return so many directions, evenly around the circle, radians, shape (count,)."""
+    """Return `count` body yaws, evenly around the circle, radians, shape (count,)."""
     return (np.arange(count, dtype=np.float64) + 0.5) * (2 * np.pi / count) - np.pi
 
 
 def with_body_yaw(quantised: NDArray[np.uint8], body_yaw: float) -> NDArray[np.uint8]:
-    """Return descriptors, shape (Q, F), with the facing as two more levels, (Q, F + 2)."""
+    """Return descriptors, shape (Q, F), with the body yaw appended, shape (Q, F + 2)."""
     joined = np.empty((len(quantised), quantised.shape[1] + BODY_YAW_SIZE), np.uint8)
     joined[:, :-BODY_YAW_SIZE] = quantised
     joined[:, -BODY_YAW_SIZE:] = body_yaw_quantised(np.array([body_yaw]))[0]
@@ -33,6 +33,6 @@ def with_body_yaw(quantised: NDArray[np.uint8], body_yaw: float) -> NDArray[np.u
 
 
 def body_yaw_quantised(body_yaw: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return the levels, shape (P, 2), that say that people face there, radians, shape (P,)."""
+    """Return cosine and sine of body yaws, radians, shape (P,), quantised, shape (P, 2)."""
     pair = np.stack([np.cos(body_yaw), np.sin(body_yaw)], axis=1)
     return np.rint(127.5 + 127.0 * pair).astype(np.uint8)

@@ -1,11 +1,11 @@
-"""Finds where a person faces: the forest is told one direction after the other.
+"""Search for the body yaw for which the votes of a forest agree most.
 
-Seen from behind, a person has the left hand where, seen from before, the right one would be, and
-the surroundings of a single point hardly tell which it is. Told where the person faces, the forest
-need not know. Told a wrong direction, it takes what each point sees for something else, and its
-votes contradict each other. So the direction is right of which the votes agree.
+From behind, a person has the left hand where the right hand is from the front, and the
+surroundings of a single point hardly distinguish the two. So the trees split by the body yaw, too.
+With a wrong body yaw, points reach leaves of other body parts and their votes contradict each
+other. The search tries several body yaws and takes the one for which the votes agree most.
 
-Forests that are conditioned on what all of a body tells are those of Sun, Kohli and Shotton,
+Forests that are conditioned on a property of the whole body are those of Sun, Kohli and Shotton,
 Conditional regression forests for human pose estimation (CVPR 2012). This goes beyond the paper.
 """
 
@@ -15,71 +15,60 @@ from numpy.typing import NDArray
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.forest.body_yaw import body_yaws_around, with_body_yaw
 from lsc_pose_ros.pose.forest.forest import find_leaves
-from lsc_pose_ros.pose.forest.votes import Votes, VoteSettings, gather_votes, votes_for
+from lsc_pose_ros.pose.forest.votes import Votes, VoteSettings, gather_votes, votes_of_target
 from lsc_pose_ros.pose.inference.confidence import vote_fraction_near
 from lsc_pose_ros.pose.inference.density import find_modes
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly
 
-# So many of a person's points are asked in every direction; more change little.
-_FEW = 60
+# All body yaws are tried with this many of a person's points; more points change little.
+_FEW_POINTS = 60
 
-# The directions that come out best are then told to all points: at most so many, and none on which
-# the few agreed less than this share of the best. Mostly that leaves one.
+# The best body yaws are tried again with all points: at most this many, and only those with at
+# least this fraction of the best agreement. In most cases only one is left.
 _SHORTLIST = 3
 _NEARLY_BEST = 0.9
-
-
-def leaves_of(
-    model: Model, points: NDArray[np.float32], quantised: NDArray[np.uint8], scale: float
-) -> NDArray[np.int32]:
-    """Return the leaf that each point of a person reaches in each tree of a model, shape (Q, T).
-
-    Args:
-        model: if its trees know facings, they are told where the person faces.
-        points: the person's points that vote, metres, shape (Q, 3).
-        quantised: their descriptors, shape (Q, F).
-        scale: rho_bar, metres.
-    """
-    if model.settings.body_yaws == 0:
-        return find_leaves(model.forest, quantised)
-    body_yaw = find_body_yaw(model, points, quantised, scale)
-    return find_leaves(model.forest, with_body_yaw(quantised, body_yaw))
 
 
 def find_body_yaw(
     model: Model, points: NDArray[np.float32], quantised: NDArray[np.uint8], scale: float
 ) -> float:
-    """Return where a person faces, radians, as `body_yaw_of`: where the votes agree most.
+    """Return the body yaw of a person, radians, as `body_yaw_of`: where the votes agree most.
 
-    A few points try all directions, and all points the best of these where one alone does not
-    stand out. Between two directions the agreement runs as a parabola through three of them does.
+    A few points try all body yaws. If several are nearly equal, all points decide between them.
+    Between two body yaws the agreement is interpolated by a parabola through three of them.
 
-    Arguments as `leaves_of`; the trees know facings.
+    Args:
+        model: its trees split by the body yaw.
+        points: the person's points that vote, metres, shape (Q, 3).
+        quantised: their quantised descriptors, shape (Q, F).
+        scale: rho_bar, metres.
     """
-    directions = body_yaws_around(model.settings.body_yaws)
-    few = choose_uniformly(len(points), _FEW)
-    person = points[few], quantised[few], scale
-    rough = np.array([agreement_on(model, *person, body_yaw) for body_yaw in directions])
+    body_yaws = body_yaws_around(model.settings.body_yaws)
+    few = choose_uniformly(len(points), _FEW_POINTS)
+    some_points, some_quantised = points[few], quantised[few]
+    rough = np.array(
+        [agreement_on(model, some_points, some_quantised, scale, each) for each in body_yaws]
+    )
     shortlist = np.argsort(-rough)[:_SHORTLIST]
     shortlist = shortlist[rough[shortlist] >= _NEARLY_BEST * rough.max()]
     best = int(shortlist[0])
     if len(shortlist) > 1:
-        exact = [agreement_on(model, points, quantised, scale, directions[n]) for n in shortlist]
+        exact = [agreement_on(model, points, quantised, scale, body_yaws[n]) for n in shortlist]
         best = int(shortlist[np.argmax(exact)])
-    return float(directions[best] + peak_beside(rough, best) * 2 * np.pi / len(directions))
+    return float(body_yaws[best] + peak_beside(rough, best) * 2 * np.pi / len(body_yaws))
 
 
 def peak_beside(values: NDArray[np.float64], index: int) -> float:
-    """Return how far beside `index` the peak of `values`, on a circle, lies: from -0.5 to 0.5.
+    """Return the distance from `index` to the peak of `values` on a circle, from -0.5 to 0.5.
 
     Args:
         values: shape (n,).
-        index: of one that is large, though it need not be the largest.
+        index: of a large value, though not always the largest.
     """
     before, here, after = values[index - 1], values[index], values[(index + 1) % len(values)]
     bend = before - 2 * here + after
-    if bend >= 0:  # no peak in between
+    if bend >= 0:  # the parabola has no peak
         return 0.5 * float(np.sign(after - before))
     return float(np.clip(0.5 * (before - after) / bend, -0.5, 0.5))
 
@@ -91,9 +80,9 @@ def agreement_on(
     scale: float,
     body_yaw: float,
 ) -> float:
-    """Return how well the votes agree where the trees are told that the person faces there.
+    """Return how well the votes agree if the person's body yaw is `body_yaw`, radians.
 
-    Other arguments as `leaves_of`; `body_yaw` in radians.
+    Other arguments as `find_body_yaw`.
     """
     settings = model.settings
     leaves = find_leaves(model.forest, with_body_yaw(quantised, body_yaw))
@@ -104,15 +93,15 @@ def agreement_on(
 
 @kernel
 def agreement(votes: Votes, bandwidth: float) -> float:
-    """Return the share of the votes that is behind each joint's best mode, summed over the joints.
+    """Return the vote fraction near each joint's best mode, summed over the joints.
 
     Args:
-        votes: for each joint (eq. 13).
+        votes: the votes for each joint (eq. 13).
         bandwidth: h_j, metres (eq. 14).
     """
     total = 0.0
     for joint in range(votes.start.shape[0] - 1):
-        cloud = votes_for(votes, joint)
+        cloud = votes_of_target(votes, joint)
         modes = find_modes(cloud, bandwidth, 1)
         if modes.shape[0] > 0:
             total += float(vote_fraction_near(modes[0], cloud, bandwidth))

@@ -1,4 +1,4 @@
-"""A regression forest as flat parallel arrays, and the way of a descriptor down its trees."""
+"""A regression forest as flat parallel arrays, and the leaves that descriptors reach in it."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from lsc_pose_ros.numerics.jit import kernel
 
 
 class TreeNodes(NamedTuple):
-    """The nodes of T trees and nothing else, as in Forest."""
+    """The nodes of T trees; the attributes are those of Forest."""
 
     roots: NDArray[np.int32]
     feature: NDArray[np.int16]
@@ -24,7 +24,7 @@ class LeafVotes(NamedTuple):
         start: the votes of leaf l are start[l] to start[l + 1], shape (L + 1,).
         target: which joint, or which edge, a vote is for, shape (V,).
         offset: in units of rho_bar, shape (V, 3).
-        weight: the size of the cluster that the vote stands for, shape (V,).
+        weight: the size of the cluster that the vote represents, shape (V,).
     """
 
     start: NDArray[np.int32]
@@ -37,10 +37,10 @@ class Forest(NamedTuple):
     """T trees in one set of node arrays; a node is a split or a leaf.
 
     Attributes:
-        roots: the node at which each tree begins, shape (T,).
-        feature: which bin of the descriptor a split compares, -1 in a leaf, shape (nodes,).
-        threshold: a level below it goes left, shape (nodes,) (eq. 7).
-        left: a split's left child (the right one follows it), a leaf's number, shape (nodes,).
+        roots: the root node of each tree, shape (T,).
+        feature: the index of the feature that a split compares, -1 in a leaf, shape (nodes,).
+        threshold: a smaller feature goes left, shape (nodes,) (eq. 7).
+        left: a split's left child (the right one follows it), or a leaf's number, (nodes,).
         joint_votes: the leaves' votes for joints, relative to the point.
         pair_votes: the leaves' votes for edges: the child joint relative to its parent.
     """
@@ -55,33 +55,34 @@ class Forest(NamedTuple):
 
 @kernel
 def find_leaves(forest: Forest, quantised: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Return the leaf that each descriptor reaches in each tree, shape (N, T).
+    """Return the leaf that each descriptor reaches in each tree, shape (N, T) (eq. 7).
 
     Args:
         forest: the trees.
-        quantised: quantised descriptors, shape (N, 360).
+        quantised: quantised descriptors, shape (N, F).
     """
-    # All points go down a tree together, a step at a time: nodes lie anywhere in memory, and those
-    # of several points are fetched at once, while a point's next one is known only after its last.
+    # All points descend a tree together, one level at a time. The nodes are scattered over memory:
+    # the processor fetches those of several points at once, but cannot fetch a point's next node
+    # before its current one is there.
     count = quantised.shape[0]
     leaves = np.empty((count, forest.roots.shape[0]), np.int32)
     nodes = np.empty(count, np.int32)
-    on_their_way = np.empty(count, np.int32)
+    descending = np.empty(count, np.int32)
     for tree in range(forest.roots.shape[0]):
         for i in range(count):
-            nodes[i], on_their_way[i] = forest.roots[tree], i
-        walking = count
-        while walking:
-            still_walking = 0
-            for n in range(walking):
-                i, node = on_their_way[n], nodes[n]
+            nodes[i], descending[i] = forest.roots[tree], i
+        active = count
+        while active:
+            remaining = 0
+            for n in range(active):
+                i, node = descending[n], nodes[n]
                 feature, left = forest.feature[node], forest.left[node]
                 if feature < 0:
                     leaves[i, tree] = left
                 else:
                     goes_right = quantised[i, feature] >= forest.threshold[node]
-                    nodes[still_walking] = left + goes_right
-                    on_their_way[still_walking] = i
-                    still_walking += 1
-            walking = still_walking
+                    nodes[remaining] = left + goes_right
+                    descending[remaining] = i
+                    remaining += 1
+            active = remaining
     return leaves

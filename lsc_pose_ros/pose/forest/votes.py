@@ -1,4 +1,4 @@
-"""The votes that a body's silhouette points cast through the forest (eq. 13)."""
+"""The votes of a body's silhouette points, from the leaves that they reach (eq. 13)."""
 
 from typing import NamedTuple
 
@@ -7,24 +7,24 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.forest.forest import LeafVotes
-from lsc_pose_ros.pose.inference.density import Cloud
+from lsc_pose_ros.pose.inference.density import VoteCloud
 
 
 class Votes(NamedTuple):
-    """The heaviest votes for each target, in metres.
+    """The heaviest votes for each target, a joint or an edge, in metres.
 
     Attributes:
         start: the votes for target t are start[t] to start[t + 1], shape (targets + 1,).
-        cloud: the votes of all targets: absolute places, or for a pair the child's place relative
-            to its parent's; V of them.
+        cloud: the V votes for all targets: the position of a joint, or for an edge that of the
+            child relative to its parent.
     """
 
     start: NDArray[np.int64]
-    cloud: Cloud
+    cloud: VoteCloud
 
     @property
-    def place(self) -> NDArray[np.float32]:
-        """The votes' places, shape (V, 3)."""
+    def position(self) -> NDArray[np.float32]:
+        """The votes' positions, shape (V, 3)."""
         return np.stack([self.cloud.x, self.cloud.y, self.cloud.z], axis=1)
 
     @property
@@ -37,7 +37,7 @@ class VoteSettings(NamedTuple):
     """How votes are gathered.
 
     Attributes:
-        targets: how many joints, or edges, are voted for.
+        targets: the number of joints, or of edges, that get votes.
         heaviest: M, how many votes for each are kept.
         scale: rho_bar, metres; the leaves' offsets are multiples of it.
     """
@@ -54,13 +54,13 @@ def gather_votes(
     origins: NDArray[np.float32],
     vote_settings: VoteSettings,
 ) -> Votes:
-    """Return the `poll.heaviest` heaviest votes for each target (eq. 13, sets S and S').
+    """Return the M heaviest votes for each target (eq. 13, sets S and S').
 
     Args:
         votes: the forest's votes for joints or for pairs.
         leaves: the leaf of each point in each tree, shape (N, T).
-        origins: what the offsets are added to: the points in metres, or zeros for pairs, (N, 3).
-        vote_settings: how many targets and votes, and the scale.
+        origins: the offsets are added to these: the points in metres, or zeros for pairs, (N, 3).
+        vote_settings: the numbers of targets and votes, and the scale.
     """
     gathered = _gather(votes, leaves, vote_settings.targets)
     counts = gathered.counts
@@ -78,26 +78,26 @@ def gather_votes(
             x[row] = origins[point, 0] + scale * votes.offset[entry, 0]
             y[row] = origins[point, 1] + scale * votes.offset[entry, 1]
             z[row] = origins[point, 2] + scale * votes.offset[entry, 2]
-    return Votes(start, Cloud(x, y, z, weight))
+    return Votes(start, VoteCloud(x, y, z, weight))
 
 
 @kernel
-def votes_for(cast: Votes, target: int) -> Cloud:
-    """Return the votes for one target; they are not copied."""
-    start, end = cast.start[target], cast.start[target + 1]
-    cloud = cast.cloud
-    return Cloud(
+def votes_of_target(votes: Votes, target: int) -> VoteCloud:
+    """Return the votes for one target, as views."""
+    start, end = votes.start[target], votes.start[target + 1]
+    cloud = votes.cloud
+    return VoteCloud(
         cloud.x[start:end], cloud.y[start:end], cloud.z[start:end], cloud.weight[start:end]
     )
 
 
 class _Gathered(NamedTuple):
-    """The votes for each target, in the order of points and trees.
+    """All votes for each target, in the order of points and trees.
 
     Attributes:
         counts: how many each target has, shape (targets,).
-        entry: which of the forest's votes they are, shape (targets, most).
-        point: who casts them, shape (targets, most).
+        entry: their indices in the forest's votes, shape (targets, most).
+        point: the index of the point that votes, shape (targets, most).
         weight: shape (targets, most).
     """
 
@@ -109,7 +109,8 @@ class _Gathered(NamedTuple):
 
 @kernel
 def _gather(votes: LeafVotes, leaves: NDArray[np.int32], targets: int) -> _Gathered:
-    # The leaves lie anywhere in memory, so each is read once, into as much room as all could need.
+    # The leaves are scattered over memory, so each is read once only: the arrays have room for
+    # the case that all votes have the same target.
     most = 0
     for point in range(leaves.shape[0]):
         for tree in range(leaves.shape[1]):
@@ -124,17 +125,17 @@ def _gather(votes: LeafVotes, leaves: NDArray[np.int32], targets: int) -> _Gathe
             leaf = leaves[point, tree]
             for entry in range(votes.start[leaf], votes.start[leaf + 1]):
                 target = votes.target[entry]
-                place = counts[target]
-                entries[target, place] = entry
-                points[target, place] = point
-                weights[target, place] = votes.weight[entry]
-                counts[target] = place + 1
+                column = counts[target]
+                entries[target, column] = entry
+                points[target, column] = point
+                weights[target, column] = votes.weight[entry]
+                counts[target] = column + 1
     return _Gathered(counts, entries, points, weights)
 
 
 @kernel
 def _heaviest(weights: NDArray[np.float32], wanted: int) -> NDArray[np.int64]:
-    """Return the indices of the `wanted` largest weights; among equal ones the first come."""
+    """Return the indices of the `wanted` largest weights; the earlier ones among equal ones."""
     count = weights.shape[0]
     if count <= wanted:
         return np.arange(count)

@@ -1,8 +1,9 @@
-"""How sure an answer is: what share of the votes is behind a joint, and how often that is right.
+"""The confidence in a joint, from the fraction of its votes' weight near the joint.
 
-Of the joints with confidence c, about a share c lies within NEAR of the truth. Which share of the
-votes means which confidence is learnt, joint by joint, from people that the forest has not seen
-(`learning/calibration.py`). A model that was never told so gives the share of the votes itself.
+Of the joints with confidence c, about a fraction c lies within NEAR of the ground truth. Training
+learns for each joint which vote fraction means which confidence, from people that the forest was
+not trained on (`training/calibration.py`). In a model without that calibration the confidence is
+the vote fraction itself.
 """
 
 import math
@@ -11,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.pose.forest.votes import Votes, votes_for
-from lsc_pose_ros.pose.inference.density import Cloud, Place, density
+from lsc_pose_ros.pose.forest.votes import Votes, votes_of_target
+from lsc_pose_ros.pose.inference.density import Position, VoteCloud, density
 
 NEAR = 0.1
-"""How far from the truth a joint may lie that is as good as it claims, metres."""
+"""A joint counts as correct up to this distance from the ground truth, metres."""
 
 KNOTS = 41
-"""At how many shares of the votes, evenly from 0 to 1, a model knows the confidence."""
+"""The number of vote fractions, evenly from 0 to 1, for which a model has a confidence."""
 
 
 def uncalibrated() -> NDArray[np.float32]:
@@ -27,55 +28,62 @@ def uncalibrated() -> NDArray[np.float32]:
 
 
 @kernel
-def support(votes: Votes, places: NDArray[np.float32], bandwidth: float) -> NDArray[np.float32]:
-    """Return which share of the votes' weight supports each place, 0 to 1, shape (J,)."""
-    shares = np.zeros(places.shape[0], np.float32)
-    for joint in range(places.shape[0]):
-        cloud = votes_for(votes, joint)
-        if cloud.x.shape[0] == 0 or math.isnan(places[joint, 0]):
+def vote_fractions(
+    votes: Votes, positions: NDArray[np.float32], bandwidth: float
+) -> NDArray[np.float32]:
+    """Return the fraction of the votes' weight near each joint, 0 to 1, shape (J,).
+
+    It is 0 for a joint without votes or whose position is NaN. Arguments as `confidence_in`.
+    """
+    fractions = np.zeros(positions.shape[0], np.float32)
+    for joint in range(positions.shape[0]):
+        cloud = votes_of_target(votes, joint)
+        if cloud.x.shape[0] == 0 or math.isnan(positions[joint, 0]):
             continue
-        shares[joint] = vote_fraction_near(places[joint], cloud, bandwidth)
-    return shares
+        fractions[joint] = vote_fraction_near(positions[joint], cloud, bandwidth)
+    return fractions
 
 
 @kernel
-def vote_fraction_near(place: Place, cloud: Cloud, bandwidth: float) -> np.float32:
-    """Return which share of the weight of votes for one joint supports a place, 0 to 1.
+def vote_fraction_near(position: Position, cloud: VoteCloud, bandwidth: float) -> np.float32:
+    """Return the fraction of the weight of one joint's votes near a position, 0 to 1.
+
+    Each vote counts by the Gaussian of eq. 14, from 1 at the position to 0 far away.
 
     Args:
-        place: metres, shape (3,).
-        cloud: the votes, one at least.
+        position: metres, shape (3,).
+        cloud: the votes, at least one.
         bandwidth: h_j, metres.
     """
-    return density(place, cloud, bandwidth) / np.sum(cloud.weight)
+    return density(position, cloud, bandwidth) / np.sum(cloud.weight)
 
 
 @kernel
 def confidence_in(
     calibration: NDArray[np.float32],
     votes: Votes,
-    places: NDArray[np.float32],
+    positions: NDArray[np.float32],
     bandwidth: float,
 ) -> NDArray[np.float32]:
-    """Return the confidence in each place, 0 to 1, shape (J,); a place that is NaN has 0.
+    """Return the confidence in each joint, 0 to 1, shape (J,); 0 if its position is NaN.
 
     Args:
         calibration: as in Model, shape (J, K) or (0, K).
-        votes: for each joint (eq. 13).
-        places: the joints, metres, shape (J, 3).
+        votes: the votes for each joint (eq. 13).
+        positions: the joints, metres, shape (J, 3).
         bandwidth: h_j, metres.
     """
-    shares = support(votes, places, bandwidth)
+    fractions = vote_fractions(votes, positions, bandwidth)
     if calibration.shape[0] == 0:
-        return shares
+        return fractions
     steps = calibration.shape[1] - 1
-    confidence = np.zeros_like(shares)
-    for joint in range(places.shape[0]):
-        if math.isnan(places[joint, 0]):
+    confidence = np.zeros_like(fractions)
+    for joint in range(positions.shape[0]):
+        if math.isnan(positions[joint, 0]):
             continue
-        place = min(max(shares[joint], np.float32(0)), np.float32(1)) * np.float32(steps)
-        knot = min(int(place), steps - 1)
-        part = place - np.float32(knot)
+        scaled = min(max(fractions[joint], np.float32(0)), np.float32(1)) * np.float32(steps)
+        knot = min(int(scaled), steps - 1)
+        part = scaled - np.float32(knot)
         before, after = calibration[joint, knot], calibration[joint, knot + 1]
         confidence[joint] = before + part * (after - before)
     return confidence

@@ -1,4 +1,4 @@
-"""Parzen densities over votes, and their modes (eq. 14 and 15)."""
+"""Parzen densities over votes, and their modes by mean-shift (eq. 14, 15)."""
 
 from typing import NamedTuple
 
@@ -8,20 +8,20 @@ from numpy.typing import NDArray
 from lsc_pose_ros.numerics.fast_math import exp_neg
 from lsc_pose_ros.numerics.jit import kernel
 
-# A mode is found when a step is shorter than this share of the bandwidth.
-_STANDSTILL = 1e-2
+# Mean-shift has converged when a step is shorter than this fraction of the bandwidth.
+_CONVERGED = 1e-2
 _MOST_STEPS = 50
-# Another mode is not looked for where the density is below this share of its largest value.
-FAINT = np.float32(0.2)
+# No mode is searched for from votes whose density is below this fraction of the largest one.
+LEAST_DENSITY = np.float32(0.2)
 
 
-# x, y, z in metres, single precision; what is given may be a row of an array as well.
+# x, y, z in metres, single precision; as an argument also a row of an array.
 Point = tuple[np.float32, np.float32, np.float32]
-Place = Point | NDArray[np.float32]
+Position = Point | NDArray[np.float32]
 
 
-class Cloud(NamedTuple):
-    """Weighted points, coordinate by coordinate so that loops over them vectorise.
+class VoteCloud(NamedTuple):
+    """Weighted points, one array for each coordinate so that loops over them vectorise.
 
     Attributes:
         x, y, z: metres, single precision, shape (M,) each.
@@ -35,18 +35,18 @@ class Cloud(NamedTuple):
 
 
 @kernel
-def density(place: Place, cloud: Cloud, bandwidth: float) -> np.float32:
+def density(position: Position, cloud: VoteCloud, bandwidth: float) -> np.float32:
     """Return phi(x) = sum over m of w_m exp(-||x - x_m||^2 / h^2) (eq. 14, 15).
 
-    Votes farther than four bandwidths count nothing.
+    Votes farther than four bandwidths do not count.
 
     Args:
-        place: x, metres, shape (3,).
+        position: x, metres, shape (3,).
         cloud: the votes x_m and their weights w_m.
         bandwidth: h, metres.
     """
     scale = np.float32(1.0 / (bandwidth * bandwidth))
-    x, y, z = place[0], place[1], place[2]
+    x, y, z = position[0], position[1], position[2]
     total = np.float32(0)
     for m in range(cloud.x.shape[0]):
         dx = cloud.x[m] - x
@@ -57,13 +57,13 @@ def density(place: Place, cloud: Cloud, bandwidth: float) -> np.float32:
 
 
 @kernel
-def mean_shift(place: Place, cloud: Cloud, bandwidth: float) -> Point:
-    """Return the votes' mean under a Gaussian at `place`: one step uphill; arguments as `density`.
+def mean_shift(position: Position, cloud: VoteCloud, bandwidth: float) -> Point:
+    """Return the votes' mean under a Gaussian at `position`: one step of mean-shift.
 
-    Where no vote is near, `place` itself.
+    Returns `position` unchanged if no vote is in range. Arguments as `density`.
     """
     scale = np.float32(1.0 / (bandwidth * bandwidth))
-    x, y, z = place[0], place[1], place[2]
+    x, y, z = position[0], position[1], position[2]
     total, to_x, to_y, to_z = np.float32(0), np.float32(0), np.float32(0), np.float32(0)
     for m in range(cloud.x.shape[0]):
         dx = cloud.x[m] - x
@@ -80,8 +80,8 @@ def mean_shift(place: Place, cloud: Cloud, bandwidth: float) -> Point:
 
 
 @kernel
-def squared_distance(first: Place, second: Place) -> np.float32:
-    """Return the squared distance of two places, shape (3,) each."""
+def squared_distance(first: Position, second: Position) -> np.float32:
+    """Return the squared distance of two positions, shape (3,) each."""
     dx = first[0] - second[0]
     dy = first[1] - second[1]
     dz = first[2] - second[2]
@@ -89,26 +89,32 @@ def squared_distance(first: Place, second: Place) -> np.float32:
 
 
 @kernel
-def climb(place: Place, cloud: Cloud, bandwidth: float) -> Point:
-    """Return the mode of the density that mean-shift reaches from `place`, shape (3,)."""
-    standstill = (_STANDSTILL * bandwidth) ** 2
-    here = (place[0], place[1], place[2])
+def climb(position: Position, cloud: VoteCloud, bandwidth: float) -> Point:
+    """Return the mode of the density that mean-shift reaches from `position`, shape (3,)."""
+    converged = (_CONVERGED * bandwidth) ** 2
+    here = (position[0], position[1], position[2])
     for _ in range(_MOST_STEPS):
         shifted = mean_shift(here, cloud, bandwidth)
         moved = squared_distance(here, shifted)
         here = shifted
-        if moved < standstill:
+        if moved < converged:
             break
     return here
 
 
 @kernel
-def find_modes(cloud: Cloud, bandwidth: float, wanted: int) -> NDArray[np.float32]:
+def find_modes(cloud: VoteCloud, bandwidth: float, wanted: int) -> NDArray[np.float32]:
     """Return at most `wanted` modes of the density, the highest start first, shape (n, 3).
 
-    The first climb starts at the vote where the density is largest. The next one starts at the
-    best of the votes farther than a bandwidth from all starts and all modes before it, unless the
-    density is too faint there. Modes closer than a bandwidth are one.
+    The first climb starts at the vote with the largest density. The next one starts at the best
+    of the votes that are farther than a bandwidth from all earlier starts and modes; the search
+    ends if the density there is below LEAST_DENSITY times the largest one. Modes closer than a
+    bandwidth are one.
+
+    Args:
+        cloud: the votes.
+        bandwidth: h, metres.
+        wanted: how many modes are enough.
     """
     count = cloud.x.shape[0]
     modes = np.empty((wanted, 3), np.float32)
@@ -116,11 +122,11 @@ def find_modes(cloud: Cloud, bandwidth: float, wanted: int) -> NDArray[np.float3
     heights = np.empty(count, np.float32)
     for m in range(count):
         heights[m] = density(_vote(cloud, m), cloud, bandwidth)
-    faint = FAINT * heights.max() if count else np.float32(0)
+    least = LEAST_DENSITY * heights.max() if count else np.float32(0)
     near = np.float32(bandwidth * bandwidth)
     while found < wanted and count:
         best = int(np.argmax(heights))
-        if heights[best] <= faint:
+        if heights[best] <= least:
             break
         start = _vote(cloud, best)
         mode = climb(start, cloud, bandwidth)
@@ -139,5 +145,5 @@ def find_modes(cloud: Cloud, bandwidth: float, wanted: int) -> NDArray[np.float3
 
 
 @kernel
-def _vote(cloud: Cloud, m: int) -> Point:
+def _vote(cloud: VoteCloud, m: int) -> Point:
     return cloud.x[m], cloud.y[m], cloud.z[m]

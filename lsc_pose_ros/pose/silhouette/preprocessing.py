@@ -1,6 +1,6 @@
-"""Which depths of a body lie on its surface: no holes, no flying pixels, and how noisy they are.
+"""Corrections of one body's depth: flying pixels removed, holes filled, noise measured.
 
-The paper's Kinect needs little of it; a time-of-flight camera needs all. It goes beyond the paper.
+They go beyond the paper. Its Kinect hardly needs them; a time-of-flight camera needs them all.
 """
 
 import math
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.settings import Settings
 
-# A second difference of the depth beyond this is a step between two surfaces, metres.
+# A larger second difference of the depth is a step between two surfaces, metres.
 _STEP = 0.1
 
 # Of n independent normal depths, the mean of |a - 2 b + c| is sqrt(6) sqrt(2 / pi) sigma.
@@ -23,8 +23,8 @@ class Window(NamedTuple):
     """One body, cut out of the image with a border of one pixel.
 
     Attributes:
-        depth: metres; infinity where there is no body or no depth, NaN outside of the image.
-        row: the image row of the window's first row (-1 where the border lies outside).
+        depth: metres; infinity if there is no body or no depth, NaN outside of the image.
+        row: the image row of the window's first row (-1 if the border lies outside).
         column: likewise for columns.
     """
 
@@ -33,27 +33,27 @@ class Window(NamedTuple):
     column: int
 
 
-def on_surfaces(window: Window, settings: Settings) -> Window:
-    """Return the window without its flying pixels; what is taken out becomes background.
+def remove_flying_pixels(window: Window, settings: Settings) -> Window:
+    """Return the window without flying pixels; they become background.
 
-    At the rim of a surface a time-of-flight camera mixes the light of what lies before and behind,
-    and measures a depth between the two where there is nothing. Such a pixel hangs on its line of
-    sight, away from its neighbours, whereas a pixel of a surface has some at its own depth.
+    At the rim of a surface a time-of-flight camera mixes the light from the surface with that from
+    behind it and measures a depth in between. Such a pixel has hardly any neighbours at its own
+    depth, whereas a pixel of a surface has several.
     """
     if settings.fewest_neighbours <= 0:
         return window
-    near = settings.fewest_neighbours, settings.neighbour_distance
-    return Window(drop_flying(window.depth, *near), window.row, window.column)
+    depth = drop_flying(window.depth, settings.fewest_neighbours, settings.neighbour_distance)
+    return Window(depth, window.row, window.column)
 
 
 @kernel
 def drop_flying(depth: NDArray[np.float32], fewest: int, distance: float) -> NDArray[np.float32]:
-    """Return the window's depth, infinity where a pixel has too few neighbours at its own depth.
+    """Return the window's depth, infinity at pixels with too few neighbours at their own depth.
 
     Args:
         depth: the window's; its border row and column hold no body.
-        fewest: how many of the eight neighbours there must be.
-        distance: how far in depth they may be, metres.
+        fewest: how many of the eight neighbours a pixel needs.
+        distance: the largest difference in depth of a neighbour that counts, metres.
     """
     kept = depth.copy()
     for i in range(1, depth.shape[0] - 1):
@@ -72,11 +72,11 @@ def drop_flying(depth: NDArray[np.float32], fewest: int, distance: float) -> NDA
 
 @kernel
 def depth_noise(depth: NDArray[np.float32]) -> float:
-    """Return the standard deviation of the noise of a window's depth, metres; 0 of a speck.
+    """Return the standard deviation of the noise of a window's depth, metres; 0 for a speck.
 
-    A surface bends little from a pixel to the next but one, so that the second differences of the
-    depth, along rows and columns, are noise: the sensor's own, and the steps in which it counts.
-    Those larger than _STEP cross an edge, and are left out.
+    A surface bends little over three pixels. So the second differences of the depth, along rows
+    and columns, are noise: that of the sensor and of its quantisation. Second differences larger
+    than _STEP cross an edge and are left out.
 
     Args:
         depth: the window's; its border row and column hold no body.
@@ -108,18 +108,18 @@ def fitted_to_noise(window: Window, settings: Settings) -> Settings:
 
 
 def fill_holes(window: Window, depth: NDArray[np.float32], fewest: int) -> Window:
-    """Return the window with depths for single pixels that the sensor did not see.
+    """Return the window with depths for pixels inside the body that the sensor did not measure.
 
-    Each is a hole in the body's surface otherwise, and its neighbours would be silhouette. Masks
-    that come from the depth do not have such pixels, so that the mask is not asked.
+    Such a pixel is a hole in the body's surface, and its neighbours would count as silhouette. A
+    mask that was computed from the depth leaves these pixels out, so the mask is not used here.
 
     Args:
         window: the body's.
-        depth: the image's, metres, 0 where the sensor saw nothing, shape (H, W).
-        fewest: a pixel without depth takes the median of its neighbours' on the body, where at
-            least so many of the eight are.
+        depth: the image's, metres, 0 if the sensor measured nothing, shape (H, W).
+        fewest: a pixel without depth gets the median depth of its neighbours on the body if at
+            least this many of the eight are on it.
     """
-    filled = _fill_holes(window.depth, depth, (window.row, window.column), fewest)
+    filled = _fill_holes(window.depth, depth, window.row, window.column, fewest)
     return window._replace(depth=filled)
 
 
@@ -127,22 +127,22 @@ def fill_holes(window: Window, depth: NDArray[np.float32], fewest: int) -> Windo
 def _fill_holes(
     window: NDArray[np.float32],
     depth: NDArray[np.float32],
-    place: tuple[int, int],
+    row: int,
+    column: int,
     fewest: int,
 ) -> NDArray[np.float32]:
-    row, column = place
     filled = window.copy()
     around = np.empty(9, np.float32)
     for i in range(1, window.shape[0] - 1):
         for j in range(1, window.shape[1] - 1):
             if window[i, j] != np.inf or depth[row + i, column + j] > 0:
                 continue
-            seen = 0
+            count = 0
             for di in range(-1, 2):
                 for dj in range(-1, 2):
                     if math.isfinite(window[i + di, j + dj]):
-                        around[seen] = window[i + di, j + dj]
-                        seen += 1
-            if seen >= fewest:
-                filled[i, j] = np.sort(around[:seen])[seen // 2]
+                        around[count] = window[i + di, j + dj]
+                        count += 1
+            if count >= fewest:
+                filled[i, j] = np.sort(around[:count])[count // 2]
     return filled

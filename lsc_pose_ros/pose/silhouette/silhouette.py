@@ -1,4 +1,4 @@
-"""From one body's pixels to N points on its silhouette (paper, section 2.1), or anywhere on it."""
+"""The silhouette of one body: smoothed depth, edge pixels, N points of them (section 2.1)."""
 
 import math
 from typing import NamedTuple
@@ -14,22 +14,22 @@ from lsc_pose_ros.pose.silhouette.preprocessing import (
     Window,
     fill_holes,
     fitted_to_noise,
-    on_surfaces,
+    remove_flying_pixels,
 )
 
-# No depth is this large, in metres; infinity and NaN are not below it.
-_UNSEEN = np.float32(1e9)
+# Every depth is below this, in metres; infinity and NaN are not.
+_LARGEST_DEPTH = np.float32(1e9)
 
 
 class Silhouette(NamedTuple):
-    """The silhouette of one body; all of the body where the settings sample that.
+    """The silhouette of one body, or all of it if `Settings.sample` is 'body'.
 
     Attributes:
         smoothed: the window without flying pixels and after eq. 1.
-        rows, columns: all edge pixels E in the image, in scan order, shape (n,) (eq. 2); all
-            pixels of the body where the settings sample that.
+        rows, columns: all edge pixels E in the image, in scan order, shape (n,) (eq. 2); or all
+            pixels of the body.
         points: the N of them that are kept, E', in metres, shape (N, 3).
-        chosen: which of E they are, shape (N,).
+        chosen: their indices in E, shape (N,).
     """
 
     smoothed: Window
@@ -40,23 +40,23 @@ class Silhouette(NamedTuple):
 
 
 def cut_out(
-    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int, fewest_seen: int = 0
+    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int, fewest_valid: int = 0
 ) -> Window | None:
-    """Return the window around the pixels labelled `body` that have a depth, or None for none.
+    """Return the window around the pixels of `body` that have a depth, or None for none.
 
     Args:
-        depth: metres, 0 where the sensor saw nothing, shape (H, W).
+        depth: metres, 0 if the sensor measured nothing, shape (H, W).
         labels: body numbers, shape (H, W).
         body: the number to cut out.
-        fewest_seen: how many neighbours on the body a pixel without depth needs to get one, as
-            `Settings.fill_holes`; 0: none gets one.
+        fewest_valid: the number of neighbours on the body from which a pixel without depth is
+            filled, as `Settings.fill_holes`; 0: none is.
     """
     top, bottom, left, right = _bounds(depth, labels, body)
     if bottom < top:
         return None
-    cut = _fill(depth, labels, body, (top, bottom, left, right))
+    cut = _cut(depth, labels, body, top, bottom, left, right)
     window = Window(cut, top - 1, left - 1)
-    return window if fewest_seen <= 0 else fill_holes(window, depth, fewest_seen)
+    return window if fewest_valid <= 0 else fill_holes(window, depth, fewest_valid)
 
 
 @kernel
@@ -76,13 +76,15 @@ def _bounds(
 
 
 @kernel
-def _fill(
+def _cut(
     depth: NDArray[np.float32],
     labels: NDArray[np.int32],
     body: int,
-    bounds: tuple[int, int, int, int],
+    top: int,
+    bottom: int,
+    left: int,
+    right: int,
 ) -> NDArray[np.float32]:
-    top, bottom, left, right = bounds
     height, width = depth.shape
     window = np.empty((bottom - top + 3, right - left + 3), np.float32)
     for i in range(window.shape[0]):
@@ -103,14 +105,13 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
     """Return the window's depth after the Gaussian filter of eq. 1, shape as before.
 
     Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
-    exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points.
-    `plain/silhouette.py` says it pixel by pixel; here a row meets each of its eight neighbours
-    as a whole, so that the loops vectorise.
+    exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points. Whole rows
+    are added, one for each of the eight neighbours, so that the loops vectorise.
 
     Args:
         window: the body; its border row and column hold no body.
         camera: the intrinsics of the whole image.
-        sigma: metres; 0 leaves the depth as it is.
+        sigma: metres; 0 leaves the depth unchanged.
     """
     depth = window.depth
     smoothed = depth.copy()
@@ -131,11 +132,13 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
         for di in range(-1, 2):
             for dj in range(-1, 2):
                 if di != 0 or dj != 0:
-                    step = np.float32(dj / camera.fx), np.float32(di / camera.fy), down, scale
+                    right_step, down_step = np.float32(dj / camera.fx), np.float32(di / camera.fy)
                     other = depth[i + di, 1 + dj : count + 1 + dj]
-                    _add_neighbours(centre, other, right, step, total, weights)
+                    _add_neighbours(
+                        centre, other, right, down, right_step, down_step, scale, total, weights
+                    )
         for j in range(count):
-            if centre[j] < _UNSEEN:
+            if centre[j] < _LARGEST_DEPTH:
                 smoothed[i, j + 1] = total[j] / weights[j]
     return smoothed
 
@@ -145,35 +148,49 @@ def _add_neighbours(
     centre: NDArray[np.float32],
     other: NDArray[np.float32],
     right: NDArray[np.float32],
-    step: tuple[np.float32, np.float32, np.float32, np.float32],
+    down: np.float32,
+    right_step: np.float32,
+    down_step: np.float32,
+    scale: np.float32,
     total: NDArray[np.float32],
     weights: NDArray[np.float32],
 ) -> None:
-    """Add a row's neighbours to the weighted sums.
+    """Add one neighbour of each pixel of a row to the weighted sums.
 
-    `step` is how far away they are, right and down, in units of depth; how far down the row
-    itself looks, in the same unit; and 1 / (2 sigma^2).
+    Args:
+        centre: the row's depth, metres, shape (n,).
+        other: the neighbours' depth, likewise.
+        right: x / z of the row's pixels, shape (n,).
+        down: y / z of the row.
+        right_step: x / z of the neighbours minus that of the pixels.
+        down_step: y / z likewise.
+        scale: 1 / (2 sigma^2).
+        total: the weighted sums of depths; changed.
+        weights: the sums of weights; changed.
     """
-    right_step, down_step, down, scale = step
     for j in range(len(centre)):
         dz = other[j] - centre[j]
         dx = right[j] * dz + right_step * other[j]
         dy = down * dz + down_step * other[j]
         weight = exp_neg(scale * (dx * dx + dy * dy + dz * dz))
-        # Infinity and NaN have gone through the arithmetic; here they are left out.
-        seen = other[j] < _UNSEEN
-        weight = weight if seen else np.float32(0)
+        # Without branches infinity and NaN pass through the arithmetic; here they are left out.
+        valid = other[j] < _LARGEST_DEPTH
+        weight = weight if valid else np.float32(0)
         weights[j] += weight
-        total[j] += weight * (other[j] if seen else np.float32(0))
+        total[j] += weight * (other[j] if valid else np.float32(0))
 
 
 @kernel
 def find_edges(depth: NDArray[np.float32], threshold: float) -> NDArray[np.int32]:
     """Return the window's silhouette pixels as (row, column) in scan order, shape (n, 2).
 
-    A pixel belongs to E where the largest depth in its 3 x 3 neighbourhood exceeds its own by more
-    than `threshold` metres (eq. 2). The background is at infinity; what lies outside of the image
-    is unknown (NaN) and makes no edge, so that a body cut by the image has none along the cut.
+    A pixel belongs to E if the largest depth in its 3 x 3 neighbourhood exceeds its own by more
+    than `threshold` metres (eq. 2). The background is at infinity. Outside of the image the depth
+    is unknown (NaN) and makes no edge, so a body that the image cuts off has none along the cut.
+
+    Args:
+        depth: the window's, smoothed.
+        threshold: t_d, metres.
     """
     edges = np.empty((depth.size, 2), np.int32)
     count = 0
@@ -199,7 +216,7 @@ def _any_deeper(depth: NDArray[np.float32], i: int, j: int, limit: float) -> boo
 
 
 def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
-    """Return the indices of at most `wanted` of `available` things, evenly spread."""
+    """Return `wanted` indices, evenly spread from 0 to `available` - 1; all if there are fewer."""
     count = min(available, wanted)
     return (np.arange(count) * available + available // 2) // max(count, 1)
 
@@ -207,19 +224,19 @@ def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
 def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
     """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points.
 
-    Flying pixels are taken out before, and sigma and t_d grow with the sensor's noise, where the
-    settings say so.
+    Depending on the settings, flying pixels are removed first, and sigma and t_d grow with the
+    sensor's noise.
     """
-    solid = on_surfaces(window, settings)
+    solid = remove_flying_pixels(window, settings)
     settings = fitted_to_noise(solid, settings)
     smoothed = smooth(solid, camera, settings.smoothing_sigma)
     return silhouette_in(solid._replace(depth=smoothed), camera, settings)
 
 
 def silhouette_in(smoothed: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
-    """Return the silhouette of the body in a window that is smoothed already.
+    """Return the silhouette of the body in a smoothed window.
 
-    Where the settings sample the body, the points are evenly spread over all of its pixels.
+    If `Settings.sample` is 'body', the points are evenly spread over all of its pixels.
     """
     if settings.sample == 'body':
         edges = np.argwhere(np.isfinite(smoothed.depth)).astype(np.int32)

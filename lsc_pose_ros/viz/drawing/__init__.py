@@ -1,1 +1,1 @@
-"""What all pictures are drawn with."""
+"""What all figures share: canvas, colours, depth image, dots, skeletons, legend."""

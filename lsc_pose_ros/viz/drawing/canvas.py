@@ -1,4 +1,4 @@
-"""Figures without a window and without the user's settings, and their way into PNG files."""
+"""Figures without a window and independent of the user's settings, and writing them as PNG."""
 
 import io
 import os
@@ -36,7 +36,7 @@ _STYLE = {
 
 @contextmanager
 def house_style() -> Iterator[None]:
-    """Draw alike on every machine, whatever its matplotlibrc says; also a decorator."""
+    """Draw the same on every machine, independent of its matplotlibrc; also a decorator."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)  # type: ignore[arg-type]
@@ -53,7 +53,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def hide_axes(axes: Axes) -> None:
-    """Leave of `axes` only what is drawn in it."""
+    """Hide ticks and spines of `axes`."""
     axes.set_xticks([])
     axes.set_yticks([])
     for spine in axes.spines.values():
@@ -62,13 +62,13 @@ def hide_axes(axes: Axes) -> None:
 
 @house_style()
 def png_bytes(figure: Figure, *, scale: float = 1.0) -> bytes:
-    """Return `figure` as a PNG file's bytes, `scale` times as fine as on the page."""
+    """Return `figure` as the bytes of a PNG file, with `scale` times DOTS_PER_INCH."""
     buffer = io.BytesIO()
     figure.savefig(
         buffer,
         format='png',
         dpi=scale * DOTS_PER_INCH,
-        # The name and version of the program would make the same picture another file.
+        # Without the program's version, the same figure gives the same file.
         metadata={'Software': None},
         pil_kwargs={'optimize': True},
     )
@@ -76,7 +76,7 @@ def png_bytes(figure: Figure, *, scale: float = 1.0) -> bytes:
 
 
 def save_png(figure: Figure, path: Path) -> None:
-    """Write `figure` to `path`, beside it first and then renamed.
+    """Write `figure` to `path`, through a temporary file that is renamed.
 
     Raises:
         InputError: the file cannot be written.
@@ -85,7 +85,7 @@ def save_png(figure: Figure, path: Path) -> None:
 
 
 def make_directory(directory: Path) -> None:
-    """Make `directory` where it does not exist.
+    """Make `directory` if it does not exist.
 
     Raises:
         InputError: it cannot be made.
@@ -93,12 +93,12 @@ def make_directory(directory: Path) -> None:
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        msg = f'{directory}: cannot be made a folder: {error.strerror or error}'
+        msg = f'{directory}: cannot create this folder: {error.strerror or error}'
         raise InputError(msg) from error
 
 
 def write_beside(path: Path, data: bytes) -> None:
-    """Write `data` to `path`, beside it first and then renamed, so that no half file is left.
+    """Write `data` to `path`, through a temporary file that is renamed: never half a file.
 
     Raises:
         InputError: the file cannot be written.

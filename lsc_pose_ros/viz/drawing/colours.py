@@ -1,15 +1,15 @@
-"""The colours of all pictures: told apart by the colour-blind too (Okabe and Ito)."""
+"""The colours of all figures; colour-blind people can distinguish them (Okabe and Ito)."""
 
 LEFT = '#0072b2'
 RIGHT = '#d55e00'
 MIDDLE = '#1a1a1a'
-TRUTH = '#f5c400'
+GROUND_TRUTH = '#f5c400'
 EDGE = '#009e73'
 ACCENT = '#cc79a7'
 BORDER = '#c8c8c8'
 FAINT = '#8c8c8c'
 
-# Curves, in order; each has a line style of its own besides.
+# Colours of curves in their order; each curve also has its own line style.
 CURVES = ('#1a1a1a', '#e69f00', '#56b4e9', '#009e73', '#cc79a7')
 
 SEQUENTIAL = 'cividis'
@@ -18,13 +18,13 @@ DIVERGING = 'PuOr'
 
 
 def side_colour(name: str) -> str:
-    """Return the colour of the joint called `name`: the person's left, right, or neither."""
+    """Return the colour of the joint `name`: that of the person's left, right, or middle."""
     if name.startswith('l_'):
         return LEFT
     return RIGHT if name.startswith('r_') else MIDDLE
 
 
 def bone_colour(parent: str, child: str) -> str:
-    """Return the colour of the bone between two joints; a bone across the body has no side."""
+    """Return the colour of the bone between two joints; MIDDLE if it joins left and right."""
     sides = {side_colour(parent), side_colour(child)} - {MIDDLE}
     return sides.pop() if len(sides) == 1 else MIDDLE

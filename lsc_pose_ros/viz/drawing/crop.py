@@ -1,4 +1,4 @@
-"""Which part of an image a picture shows."""
+"""The part of an image that a panel shows: a box around the bodies."""
 
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ _LEAST_MARGIN = 4.0
 
 
 class Box(NamedTuple):
-    """A part of an image, in pixels; a whole number is the centre of a pixel."""
+    """A rectangle in an image, pixels; whole numbers are the centres of pixels."""
 
     left: float
     top: float
@@ -27,10 +27,10 @@ def box_around(frame: Frame, body: int | None = None, aspect: float = 0.8) -> Bo
 
     Args:
         frame: the image.
-        body: only this one; None for all.
+        body: the number of the only body to include; None for all.
         aspect: the box's width, divided by its height.
 
-    The box may reach outside of the image. Where there is no body, it is the image.
+    The box may extend beyond the image. Without a body it is the whole image.
     """
     labels = frame.labels
     rows, columns = np.nonzero(labels >= 0 if body is None else labels == body)
@@ -44,14 +44,14 @@ def box_around(frame: Frame, body: int | None = None, aspect: float = 0.8) -> Bo
 
 
 def look_at(axes: Axes, box: Box) -> None:
-    """Let `axes` show `box`, with square pixels."""
+    """Set the limits of `axes` to `box`, with square pixels."""
     axes.set_xlim(box.left, box.right)
     axes.set_ylim(box.bottom, box.top)
     axes.set_aspect('equal')
 
 
 def _fit(box: Box, aspect: float) -> Box:
-    """Give `box` a margin and let it grow to `aspect`."""
+    """Return `box` with a margin and enlarged to `aspect`."""
     width, height = box.right - box.left, box.bottom - box.top
     margin = max(_LEAST_MARGIN, _MARGIN * max(width, height))
     width, height = width + 2 * margin, height + 2 * margin

@@ -1,4 +1,4 @@
-"""A depth image as greys: the bodies clear, what surrounds them faint."""
+"""A depth image in grey: the bodies clear, their surroundings faint."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -10,17 +10,17 @@ from lsc_pose_ros.viz.drawing.canvas import hide_axes
 from lsc_pose_ros.viz.drawing.colours import BORDER
 from lsc_pose_ros.viz.drawing.crop import Box, look_at
 
-# Greys from 0, black, to 1, white: light enough for a skeleton to stand out.
+# Greys from 0, black, to 1, white; light, for contrast with skeletons.
 _NEAR, _FAR = 0.88, 0.50
 _NEAR_FAINT, _FAR_FAINT = 0.90, 0.98
 
 
 def draw_depth(axes: Axes, frame: Frame, box: Box, *, body: int | None = None) -> None:
-    """Draw the part `box` of the depth image; only `body`, or all bodies, are drawn clearly."""
+    """Draw the part `box` of the depth image; only `body`, or all bodies, are clear."""
     hide_axes(axes)
     axes.imshow(greys(frame, body), cmap='gray', vmin=0, vmax=1)
     height, width = frame.depth.shape
-    # Where a body is cut off, this line says that the image ends there.
+    # The border of the image explains why a body is cut off there.
     axes.add_patch(
         Rectangle((-0.5, -0.5), width, height, fill=False, edgecolor=BORDER, linewidth=0.8)
     )
@@ -32,22 +32,22 @@ def greys(frame: Frame, body: int | None = None) -> NDArray[np.float32]:
 
     Args:
         frame: the image.
-        body: the one to show clearly; None for all.
+        body: the body that is clear; None for all.
     """
-    seen = frame.depth > 0
-    clear = seen & (frame.labels >= 0 if body is None else frame.labels == body)
+    measured = frame.depth > 0
+    clear = measured & (frame.labels >= 0 if body is None else frame.labels == body)
     if not (frame.labels >= 0).any():
-        clear = seen  # without a mask the scene is all there is
+        clear = measured  # without a mask the whole scene is clear
     image = np.ones(frame.depth.shape, np.float32)
-    for where, near, far in ((seen & ~clear, _NEAR_FAINT, _FAR_FAINT), (clear, _NEAR, _FAR)):
-        image[where] = near + (far - near) * _share(frame.depth[where])
+    for where, near, far in ((measured & ~clear, _NEAR_FAINT, _FAR_FAINT), (clear, _NEAR, _FAR)):
+        image[where] = near + (far - near) * _relative(frame.depth[where])
     return image
 
 
-def _share(depth: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return where each depth lies between the nearest, 0, and the farthest, 1; outliers clip."""
+def _relative(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return depths scaled from the nearest, 0, to the farthest, 1; outliers are clipped."""
     if len(depth) == 0:
         return depth
     near, far = np.percentile(depth, [1, 99])
-    share: NDArray[np.float32] = np.clip((depth - near) / max(far - near, 1e-6), 0, 1)
-    return share.astype(np.float32)
+    relative: NDArray[np.float32] = np.clip((depth - near) / max(far - near, 1e-6), 0, 1)
+    return relative.astype(np.float32)

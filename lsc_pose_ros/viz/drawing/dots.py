@@ -1,4 +1,4 @@
-"""Dots at places in the plane."""
+"""Dots: markers at positions in axes."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 
 class Dot(NamedTuple):
-    """How dots look.
+    """The look of dots.
 
     Attributes:
-        size: their area, points squared.
-        colour: of all, or of each.
-        rim: the colour of their rims, 'none' for none.
-        marker: their shape.
-        layer: higher ones hide lower ones.
+        size: the area, points squared.
+        colour: one colour for all, or one for each.
+        rim: the colour of the rim, 'none' for none.
+        marker: the shape, a matplotlib marker.
+        layer: dots in higher layers hide those in lower ones.
     """
 
     size: float
@@ -28,26 +28,26 @@ class Dot(NamedTuple):
 
 def draw_dots(
     axes: Axes,
-    places: NDArray[np.floating] | NDArray[np.integer],
+    positions: NDArray[np.floating] | NDArray[np.integer],
     dot: Dot,
-    strength: NDArray[np.floating] | None = None,
+    opacity: NDArray[np.floating] | None = None,
 ) -> None:
-    """Draw a dot at each place.
+    """Draw a dot at each position.
 
     Args:
-        axes: where.
-        places: NaN for no dot, shape (n, 2).
-        dot: how they look.
-        strength: of each, from 0, invisible, to 1, shape (n,).
+        axes: the axes.
+        positions: x and y, NaN for no dot, shape (n, 2).
+        dot: the look.
+        opacity: of each dot, from 0, invisible, to 1, shape (n,).
     """
     axes.scatter(
-        x=places[:, 0],
-        y=places[:, 1],
+        x=positions[:, 0],
+        y=positions[:, 1],
         s=dot.size,
         c=dot.colour,
         edgecolors=dot.rim,
         linewidths=0 if dot.rim == 'none' else 0.7,
         marker=dot.marker,
-        alpha=strength,  # type: ignore[arg-type]  # its stubs know only one for all
+        alpha=opacity,  # type: ignore[arg-type]  # the stubs allow only one number
         zorder=dot.layer,
     )

@@ -1,4 +1,4 @@
-"""What the lines and dots over an image mean, below the figure."""
+"""The legend below a figure."""
 
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -8,26 +8,26 @@ from lsc_pose_ros.viz.drawing.colours import EDGE
 from lsc_pose_ros.viz.drawing.skeleton_overlay import legend_lines
 
 LEGEND_HEIGHT = 0.3
-"""What the legend takes of the figure's height, inches."""
+"""The height of the legend in a figure, inches."""
 
 
 def add_legend(figure: Figure, *, skeletons: bool, ground_truth: bool) -> None:
-    """Explain below `figure` the silhouette points and, where drawn, skeletons and truth."""
+    """Add the legend of silhouette points and, if drawn, of skeletons and ground truth."""
     entries = [
         Line2D([], [], color=EDGE, linestyle='', marker='.', markersize=4, label='silhouette')
     ]
     if skeletons:
         entries = legend_lines(ground_truth=ground_truth) + entries
-    place_legend(figure, entries)
+    add_legend_entries(figure, entries)
 
 
-def place_legend(figure: Figure, entries: list[Line2D]) -> None:
-    """Put `entries` in one line below all that is in `figure`."""
+def add_legend_entries(figure: Figure, entries: list[Line2D]) -> None:
+    """Add `entries` in one line below the axes of `figure`."""
     figure.legend(
         handles=entries, loc='lower center', ncol=len(entries), handletextpad=0.6,
         columnspacing=1.5, borderaxespad=0.2,
     )  # fmt: skip
-    share = LEGEND_HEIGHT / figure.get_figheight()
+    fraction = LEGEND_HEIGHT / figure.get_figheight()
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
-        engine.set(rect=(0, share, 1, 1 - share))
+        engine.set(rect=(0, fraction, 1, 1 - fraction))

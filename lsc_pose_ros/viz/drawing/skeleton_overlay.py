@@ -1,4 +1,4 @@
-"""Skeletons over an image: the person's left and right in colours of their own."""
+"""Skeletons over an image; left, right and middle have their own colours."""
 
 from enum import Enum
 
@@ -11,46 +11,56 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics, project
 from lsc_pose_ros.data_types.joints import default_edges, names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.viz.drawing.colours import LEFT, MIDDLE, RIGHT, TRUTH, bone_colour, side_colour
+from lsc_pose_ros.viz.drawing.colours import (
+    GROUND_TRUTH,
+    LEFT,
+    MIDDLE,
+    RIGHT,
+    bone_colour,
+    side_colour,
+)
 from lsc_pose_ros.viz.drawing.dots import Dot, draw_dots
 
 _BONE, _BAND = 2.2, 5.0  # line widths, points
 
 
 class Look(Enum):
-    """How a skeleton is drawn."""
+    """The two looks of a skeleton."""
 
-    SIDES = 'sides'  # in the colours of its sides
-    TRUTH = 'truth'  # as a broad band below, which an estimate should run along
+    SIDES = 'sides'  # thin bones in the colours of left, right and middle
+    GROUND_TRUTH = 'ground truth'  # a broad band below the estimate
 
 
 def draw_skeletons(
     axes: Axes, skeletons: Skeletons, camera: Intrinsics, look: Look = Look.SIDES
 ) -> None:
-    """Draw all bodies of `skeletons` over the image that `camera` took."""
-    for places in skeletons.positions:
-        draw_bones(axes, skeletons.joints, project(places, camera), look)
+    """Draw all bodies of `skeletons` over the image of `camera`."""
+    for positions in skeletons.positions:
+        draw_bones(axes, skeletons.joints, project(positions, camera), look)
 
 
 def draw_bones(
-    axes: Axes, joints: NDArray[np.uint16], places: NDArray[np.floating], look: Look = Look.SIDES
+    axes: Axes,
+    joints: NDArray[np.uint16],
+    positions: NDArray[np.floating],
+    look: Look = Look.SIDES,
 ) -> None:
-    """Draw one skeleton in the plane.
+    """Draw one skeleton.
 
     Args:
-        axes: where.
+        axes: the axes.
         joints: the joints' numbers, shape (J,).
-        places: in the units of `axes`, NaN where unknown, shape (J, 2).
-        look: how.
+        positions: in the units of `axes`, NaN if unknown, shape (J, 2).
+        look: the look.
     """
-    if look is Look.TRUTH:
-        _draw_band(axes, joints, places)
+    if look is Look.GROUND_TRUTH:
+        _draw_band(axes, joints, positions)
         return
     names = names_of(joints)
     casing = [Stroke(linewidth=_BONE + 1.4, foreground='white'), Normal()]
     for parent, child in default_edges(joints):
         axes.plot(
-            *places[[parent, child]].T,
+            *positions[[parent, child]].T,
             color=bone_colour(names[parent], names[child]),
             linewidth=_BONE,
             solid_capstyle='round',
@@ -58,17 +68,23 @@ def draw_bones(
             zorder=6,
         )
     colours = [side_colour(name) for name in names]
-    draw_dots(axes, places, Dot(16, colours, rim='white', layer=7))
+    draw_dots(axes, positions, Dot(16, colours, rim='white', layer=7))
 
 
-def _draw_band(axes: Axes, joints: NDArray[np.uint16], places: NDArray[np.floating]) -> None:
+def _draw_band(axes: Axes, joints: NDArray[np.uint16], positions: NDArray[np.floating]) -> None:
     for edge in default_edges(joints):
-        axes.plot(*places[edge].T, color=TRUTH, linewidth=_BAND, solid_capstyle='round', zorder=4)
-    draw_dots(axes, places, Dot(_BAND**2, TRUTH, layer=4))
+        axes.plot(
+            *positions[edge].T,
+            color=GROUND_TRUTH,
+            linewidth=_BAND,
+            solid_capstyle='round',
+            zorder=4,
+        )
+    draw_dots(axes, positions, Dot(_BAND**2, GROUND_TRUTH, layer=4))
 
 
 def legend_lines(*, ground_truth: bool) -> list[Line2D]:
-    """Return the legend's entries for skeletons; `ground_truth` if it is drawn below them."""
+    """Return the legend's entries for skeletons, also for ground truth if it is drawn."""
     sides = ((LEFT, "person's left"), (RIGHT, "person's right"), (MIDDLE, 'middle'))
     lines = [
         Line2D([], [], color=colour, linewidth=_BONE, marker='o', markersize=4, label=label)
@@ -76,6 +92,13 @@ def legend_lines(*, ground_truth: bool) -> list[Line2D]:
     ]
     if ground_truth:
         lines.append(
-            Line2D([], [], color=TRUTH, linewidth=_BAND, solid_capstyle='butt', label='truth')
+            Line2D(
+                [],
+                [],
+                color=GROUND_TRUTH,
+                linewidth=_BAND,
+                solid_capstyle='butt',
+                label='ground truth',
+            )
         )
     return lines

@@ -1,1 +1,1 @@
-"""The pictures and the page of an evaluation."""
+"""The contact sheet of a recording, and the figures and the page of an evaluation."""

@@ -1,4 +1,4 @@
-"""The contact sheet: many frames on one page."""
+"""The contact sheet: a figure with a panel for each of many frames."""
 
 import math
 from collections.abc import Sequence
@@ -16,11 +16,11 @@ _TITLE_HEIGHT = 0.35
 
 @house_style()
 def contact_sheet(frames: Sequence[DrawnFrame], title: str = '') -> Figure:
-    """Return a page with a picture a frame.
+    """Return a figure with a panel for each frame.
 
     Args:
         frames: at least one.
-        title: stands over the page; '' for none.
+        title: the title of the figure; '' for none.
     """
     columns = _columns(len(frames))
     rows = math.ceil(len(frames) / columns)
@@ -42,7 +42,7 @@ def contact_sheet(frames: Sequence[DrawnFrame], title: str = '') -> Figure:
 
 
 def _columns(count: int) -> int:
-    """Return how many of `count` frames stand side by side: as few gaps as can be."""
+    """Return the number of columns for `count` frames that leaves the fewest gaps."""
     most = min(count, _MOST_COLUMNS)
     fewest = min(count, 4)
     return min(range(most, fewest - 1, -1), key=lambda columns: -count % columns)

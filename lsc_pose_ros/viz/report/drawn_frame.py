@@ -1,4 +1,4 @@
-"""One frame with all that is known of it: silhouette points, estimate, truth, error."""
+"""A panel of one frame: depth, silhouette points, estimate, ground truth, error."""
 
 from typing import NamedTuple
 
@@ -25,10 +25,10 @@ class DrawnFrame(NamedTuple):
     """A frame to draw.
 
     Attributes:
-        label: what it is called, for example 'frame 12'.
-        frame: the images, the camera and the truth if there is one.
-        estimate: the estimated skeletons, None where there are none to draw.
-        settings: how the silhouette is found.
+        label: its name, for example 'frame 12'.
+        frame: the images, the camera and the ground truth if there is one.
+        estimate: the estimated skeletons; None to draw none.
+        settings: the parameters of the silhouette.
     """
 
     label: str
@@ -38,7 +38,7 @@ class DrawnFrame(NamedTuple):
 
 
 def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
-    """Draw depth, silhouette points, skeletons and, as the title, what `caption` says."""
+    """Draw depth, silhouette points and skeletons, with `caption` as the title."""
     frame = drawn.frame
     draw_depth(axes, frame, box_around(frame))
     points = silhouette_pixels(frame, drawn.settings)
@@ -46,7 +46,7 @@ def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
     if drawn.estimate is not None:
         if frame.ground_truth is not None:
             ground_truth = only_joints(frame.ground_truth, drawn.estimate.joints)
-            draw_skeletons(axes, ground_truth, frame.camera, Look.TRUTH)
+            draw_skeletons(axes, ground_truth, frame.camera, Look.GROUND_TRUTH)
         draw_skeletons(axes, drawn.estimate, frame.camera)
     elif frame.ground_truth is not None:
         draw_skeletons(axes, frame.ground_truth, frame.camera)
@@ -54,9 +54,11 @@ def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
 
 
 def only_joints(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> Skeletons:
-    """Return of `ground_truth` only `joints`, NaN where it has no such joint."""
-    places = select_joints(ground_truth, joints)
-    return Skeletons(ground_truth.bodies, joints, places, np.ones(places.shape[:2], np.float32))
+    """Return `joints` of `ground_truth`, NaN for those that it does not have."""
+    positions = select_joints(ground_truth, joints)
+    return Skeletons(
+        ground_truth.bodies, joints, positions, np.ones(positions.shape[:2], np.float32)
+    )
 
 
 def silhouette_pixels(frame: Frame, settings: Settings) -> NDArray[np.float32]:
@@ -71,17 +73,17 @@ def silhouette_pixels(frame: Frame, settings: Settings) -> NDArray[np.float32]:
 
 
 def caption(drawn: DrawnFrame) -> str:
-    """Return the frame's label and, where it can be known, the mean error of its joints."""
+    """Return the frame's label and, with ground truth, the mean error of its joints."""
     ground_truth, estimate = drawn.frame.ground_truth, drawn.estimate
     if ground_truth is None or estimate is None or len(ground_truth.bodies) == 0:
         return drawn.label
     errors = joint_errors(estimate, ground_truth)
     labelled = errors[~np.isnan(errors)]
-    answered = labelled[np.isfinite(labelled)]
+    estimated = labelled[np.isfinite(labelled)]
     if len(labelled) == 0:
         return drawn.label
-    if len(answered) == 0:
-        return f'{drawn.label}: no answer'
-    missing = len(labelled) - len(answered)
+    if len(estimated) == 0:
+        return f'{drawn.label}: no estimate'
+    missing = len(labelled) - len(estimated)
     without = f', {missing} missing' if missing else ''
-    return f'{drawn.label}: {100 * answered.mean():.1f} cm{without}'
+    return f'{drawn.label}: {100 * estimated.mean():.1f} cm{without}'

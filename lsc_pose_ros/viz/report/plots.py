@@ -1,4 +1,4 @@
-"""How good a model is, as plots: joint by joint, and over all errors."""
+"""Plots of an evaluation: errors of each joint, cumulative errors, reliability."""
 
 import math
 from collections.abc import Callable
@@ -17,9 +17,9 @@ from lsc_pose_ros.evaluation.confidence_reliability import Reliability
 from lsc_pose_ros.evaluation.evaluate import Evaluation, JointScore, Summary
 from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure
 from lsc_pose_ros.viz.drawing.colours import BORDER, CURVES, FAINT, LEFT, MIDDLE, RIGHT
-from lsc_pose_ros.viz.drawing.legend import place_legend
+from lsc_pose_ros.viz.drawing.legend import add_legend_entries
 
-# Larger errors are all alike: the joint was not found.
+# The end of the error axis; joints with larger errors are not found at all.
 FARTHEST_CM = 30
 
 _BAR = 0.4  # its height, in rows
@@ -31,23 +31,23 @@ _DASHES: tuple[tuple[float, ...], ...] = ((), (), (5, 1.5), (2, 1.2), (6, 1.5, 1
 
 @house_style()
 def joint_bars(summary: Summary, tolerance: float) -> Figure:
-    """Return the mean error and the share within `tolerance` metres of each joint, as bars."""
+    """Return bars of each joint's mean error and of its fraction within `tolerance` metres."""
     rows = _rows(summary)
     figure = new_figure(8.4, 0.9 + 0.32 * len(rows))
-    errors, shares = figure.subplots(1, 2, sharey=True)
+    errors, fractions = figure.subplots(1, 2, sharey=True)
     _draw_bars(errors, rows, lambda score: 100 * score.mean_error_m)
     errors.axvline(100 * summary.mean_error_m, color=FAINT, linewidth=0.8, linestyle='--')
     errors.set_title(f'mean error, cm (dashed: mean {100 * summary.mean_error_m:.1f})')
-    _draw_bars(shares, rows, lambda score: 100 * score.ap)
-    shares.axvline(100 * summary.map, color=FAINT, linewidth=0.8, linestyle='--')
-    shares.set_title(f'within {100 * tolerance:g} cm, % (dashed: mean {100 * summary.map:.1f})')
-    shares.set_xlim(0, 112)
-    shares.set_xticks(range(0, 101, 20))
+    _draw_bars(fractions, rows, lambda score: 100 * score.ap)
+    fractions.axvline(100 * summary.map, color=FAINT, linewidth=0.8, linestyle='--')
+    fractions.set_title(f'within {100 * tolerance:g} cm, % (dashed: mean {100 * summary.map:.1f})')
+    fractions.set_xlim(0, 112)
+    fractions.set_xticks(range(0, 101, 20))
     errors.set_yticks(range(len(rows)), rows)
     errors.set_ylim(len(rows) - 0.4, -0.6)
     labels = {'l_': "person's left", 'r_': "person's right", '': 'middle'}
     used = {side for parts in rows.values() for side in parts}
-    place_legend(
+    add_legend_entries(
         figure,
         [
             Line2D([], [], color=_SIDES[side], linewidth=5, solid_capstyle='butt', label=label)
@@ -60,9 +60,9 @@ def joint_bars(summary: Summary, tolerance: float) -> Figure:
 
 @house_style()
 def error_curves(evaluation: Evaluation, tolerance: float) -> Figure:
-    """Return which share of the joints is off by no more than so much; limb ends by themselves.
+    """Return the cumulative error curves of all joints, and of elbows, wrists and hands.
 
-    A joint that was not estimated is never within.
+    A joint that was not estimated has an infinite error.
     """
     figure = new_figure(6.4, 3.6)
     axes = figure.subplots()
@@ -86,18 +86,18 @@ def error_curves(evaluation: Evaluation, tolerance: float) -> Figure:
 
 @house_style()
 def reliability_plot(reliability: Reliability) -> Figure:
-    """Return which share of the joints is near, over the confidence in them, bin by bin.
+    """Return the fraction of joints that are near over their confidence, bin by bin.
 
-    Below, how many joints have such a confidence.
+    A histogram of the confidence is below.
     """
     figure = new_figure(4.2, 4.2)
-    shares, counts = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
-    shares.plot([0, 100], [0, 100], color=BORDER, linewidth=0.9)
-    percent = np.array([(100 * each.confidence, 100 * each.share) for each in reliability.bins])
-    shares.plot(percent[:, 0], percent[:, 1], color=MIDDLE, marker='o', markersize=4)
-    shares.set_ylim(0, 101)
-    shares.set_ylabel(f'within {100 * reliability.within_m:g} cm')
-    shares.yaxis.set_major_formatter(PercentFormatter())
+    fractions, counts = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
+    fractions.plot([0, 100], [0, 100], color=BORDER, linewidth=0.9)
+    percent = np.array([(100 * each.confidence, 100 * each.fraction) for each in reliability.bins])
+    fractions.plot(percent[:, 0], percent[:, 1], color=MIDDLE, marker='o', markersize=4)
+    fractions.set_ylim(0, 101)
+    fractions.set_ylabel(f'within {100 * reliability.within_m:g} cm')
+    fractions.yaxis.set_major_formatter(PercentFormatter())
     total = sum(each.n for each in reliability.bins)
     for each in reliability.bins:
         width = 100 * (each.most - each.least)
@@ -111,14 +111,14 @@ def reliability_plot(reliability: Reliability) -> Figure:
 
 
 class Curve(NamedTuple):
-    """Which share of the joints, percent, is off by no more than so many centimetres; (n,)."""
+    """The percentage of joints with at most that error in centimetres, shape (n,) each."""
 
     centimetres: NDArray[np.float64]
     percent: NDArray[np.float64]
 
 
 def cumulative(errors: NDArray[np.float32]) -> Curve:
-    """Return the curve of `errors` in metres, NaN for no truth, infinity for no estimate."""
+    """Return the curve of `errors`, metres; NaN: no ground truth, infinity: not estimated."""
     labelled = np.sort(errors[~np.isnan(errors)])
     centimetres = np.linspace(0, FARTHEST_CM, 301)
     within = np.searchsorted(labelled, centimetres / 100, side='right')
@@ -126,7 +126,7 @@ def cumulative(errors: NDArray[np.float32]) -> Curve:
 
 
 def _groups(evaluation: Evaluation) -> dict[str, NDArray[np.float32]]:
-    """Return the errors of all joints, and those of elbows, wrists and hands where labelled."""
+    """Return the errors of all joints, and those of elbows, wrists and hands if labelled."""
     names = names_of(evaluation.joints)
     groups = {'all joints': evaluation.errors.ravel()}
     for end in _LIMB_ENDS:
@@ -137,7 +137,7 @@ def _groups(evaluation: Evaluation) -> dict[str, NDArray[np.float32]]:
 
 
 def _rows(summary: Summary) -> dict[str, dict[str, JointScore]]:
-    """Return for each kind of joint, in the vocabulary's order, its scores by side."""
+    """Return the scores by side for each kind of joint, in the vocabulary's order."""
     rows: dict[str, dict[str, JointScore]] = {}
     for name, score in summary.joints.items():
         side = name[:2] if name[:2] in _SIDES else ''
@@ -150,16 +150,16 @@ def _draw_bars(
     rows: dict[str, dict[str, JointScore]],
     value: Callable[[JointScore], float],
 ) -> None:
-    """Draw a bar a joint; left and right of a kind share a row."""
+    """Draw a bar for each joint; left and right of a kind are in the same row."""
     for row, sides in enumerate(rows.values()):
         for position, (side, score) in enumerate(sides.items()):
-            place = row + _BAR * (position - 0.5 * (len(sides) - 1))
+            height = row + _BAR * (position - 0.5 * (len(sides) - 1))
             length = value(score)
             known = math.isfinite(length)
-            axes.barh(place, length if known else 0, 0.9 * _BAR, color=_SIDES[side])
+            axes.barh(height, length if known else 0, 0.9 * _BAR, color=_SIDES[side])
             text = axes.annotate(
                 f'{length:.1f}' if known else 'no estimate',
-                (length if known else 0, place),
+                (length if known else 0, height),
                 xytext=(2, 0),
                 textcoords='offset points',
                 va='center',

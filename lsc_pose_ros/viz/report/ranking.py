@@ -1,4 +1,4 @@
-"""Which frames of an evaluation are worth looking at."""
+"""The best and the worst frames of an evaluation."""
 
 from typing import NamedTuple
 
@@ -9,7 +9,7 @@ from lsc_pose_ros.evaluation.evaluate import Evaluation
 
 
 class Ranking(NamedTuple):
-    """The numbers of frames, as Evaluation counts them: best or worst first."""
+    """Frame numbers as in Evaluation; the best or the worst comes first."""
 
     best: list[int]
     worst: list[int]
@@ -18,8 +18,8 @@ class Ranking(NamedTuple):
 def rank_frames(evaluation: Evaluation, count: int) -> Ranking:
     """Return the `count` frames with the smallest and those with the largest error.
 
-    A frame's error is the mean over its labelled joints; a joint without an estimate makes it
-    infinite, and among such frames those with more of them are worse. No frame is in both lists.
+    A frame's error is the mean over its labelled joints. A frame with joints that were not
+    estimated is worse than any other, and the more of them, the worse. No frame is in both lists.
     """
     frames, keys = _frame_errors(evaluation)
     order = frames[np.lexsort((frames, keys[:, 1], keys[:, 0]))].tolist()
@@ -29,7 +29,7 @@ def rank_frames(evaluation: Evaluation, count: int) -> Ranking:
 
 
 def _frame_errors(evaluation: Evaluation) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the labelled frames, (n,), and of each the joints missed and the mean error, (n, 2).
+    """Return the labelled frames, (n,), and the missing joints and mean error of each, (n, 2).
 
     The mean is over the joints that were estimated.
     """
@@ -38,6 +38,6 @@ def _frame_errors(evaluation: Evaluation) -> tuple[NDArray[np.int64], NDArray[np
     keys = np.zeros((len(frames), 2))
     for row, frame in enumerate(frames):
         errors = evaluation.errors[evaluation.frames == frame]
-        answered = errors[np.isfinite(errors)]
-        keys[row] = np.isinf(errors).sum(), answered.mean() if len(answered) else np.inf
+        estimated = errors[np.isfinite(errors)]
+        keys[row] = np.isinf(errors).sum(), estimated.mean() if len(estimated) else np.inf
     return frames, keys

@@ -1,4 +1,4 @@
-"""The page that `evaluate --report` writes: one file, its pictures inside."""
+"""The HTML page of `evaluate --report`, one file with its figures inside."""
 
 import base64
 from html import escape
@@ -16,21 +16,21 @@ from lsc_pose_ros.viz.report.plots import error_curves, joint_bars, reliability_
 
 PAGE_NAME = 'index.html'
 
-# Twice as fine as shown, for dense screens and paper.
-_FINENESS = 2.0
+# The resolution of figures relative to their size on the page: for dense screens and paper.
+_SCALE = 2.0
 
 
 class Report(NamedTuple):
-    """What the page says.
+    """The content of the page.
 
     Attributes:
-        title: of the page.
+        title: the title.
         summary: the scores.
         evaluation: all errors.
-        tolerance: how far a joint may be off to count as found, metres.
-        facts: what else is to be known, by name: the model, the recordings, the time a frame.
+        tolerance: a joint counts as correct up to this error, metres.
+        facts: other facts by name: the model, the recordings, the time per frame.
         best: the frames with the smallest errors, with their estimates.
-        worst: those with the largest.
+        worst: the frames with the largest errors, likewise.
     """
 
     title: str
@@ -43,9 +43,9 @@ class Report(NamedTuple):
 
 
 def write_report(directory: Path, report: Report) -> Path:
-    """Write the page into `directory`, which is made if need be, and return its path.
+    """Write the page into `directory`, which is made if it does not exist; return its path.
 
-    It needs neither other files nor a network.
+    The page needs neither other files nor a network.
 
     Raises:
         InputError: it cannot be written.
@@ -76,7 +76,7 @@ def page(report: Report) -> str:
 {_image(joint_bars(report.summary, report.tolerance), 'Mean error and precision of each joint')}
 {_table(report)}
 <h2>All errors</h2>
-<p>The share of the joints that is off by no more than so much.</p>
+<p>The fraction of the joints whose error is at most the value on the axis.</p>
 {_image(error_curves(report.evaluation, report.tolerance), 'Cumulative error curves')}
 {_confidence(measure_reliability(report.evaluation))}
 {_frames('Best frames', report.best)}
@@ -142,11 +142,12 @@ def _table(report: Report) -> str:
 
 
 def _confidence(reliability: Reliability) -> str:
+    plot = _image(reliability_plot(reliability), 'Fraction of joints that are near, by confidence')
     return (
         f'<h2>Confidence</h2>\n<p>Of the joints with a confidence of 80 %, about 80 % should lie '
-        f'within {100 * reliability.within_m:g} cm of the truth. On the average over all joints, '
-        f'confidence is off by {100 * reliability.ece:.1f} % (expected calibration error).</p>\n'
-        f'{_image(reliability_plot(reliability), "Share of joints that are near, by confidence")}'
+        f'within {100 * reliability.within_m:g} cm of the ground truth. On average over all '
+        f'joints, confidence is off by {100 * reliability.ece:.1f} % (expected calibration '
+        f'error).</p>\n{plot}'
     )
 
 
@@ -157,6 +158,6 @@ def _frames(heading: str, frames: list[DrawnFrame]) -> str:
 
 
 def _image(figure: Figure, description: str) -> str:
-    data = base64.b64encode(png_bytes(figure, scale=_FINENESS)).decode()
+    data = base64.b64encode(png_bytes(figure, scale=_SCALE)).decode()
     width = round(figure.get_figwidth() * figure.dpi)
     return f'<img width="{width}" alt="{escape(description)}" src="data:image/png;base64,{data}">'

@@ -1,1 +1,1 @@
-"""One body through every stage of the method, a picture each."""
+"""Figures of the stages of the method for one body."""

@@ -1,4 +1,4 @@
-"""One body through every stage of the method: a picture each, and all on one sheet."""
+"""Figures of all stages of the method for one body: one for each stage, and a sheet of all."""
 
 import math
 from collections.abc import Callable
@@ -8,6 +8,7 @@ from typing import NamedTuple
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.viz.drawing.canvas import (
     hide_axes,
     house_style,
@@ -15,16 +16,16 @@ from lsc_pose_ros.viz.drawing.canvas import (
     new_figure,
     save_png,
 )
-from lsc_pose_ros.viz.stages.density_picture import densities_figure, draw_densities
-from lsc_pose_ros.viz.stages.descriptor_picture import descriptor_figure, draw_feature
-from lsc_pose_ros.viz.stages.seen_body import Estimated, SeenBody
-from lsc_pose_ros.viz.stages.silhouette_picture import (
+from lsc_pose_ros.viz.stages.density_figure import densities_figure, draw_densities
+from lsc_pose_ros.viz.stages.descriptor_figure import descriptor_figure, draw_feature
+from lsc_pose_ros.viz.stages.shown_body import ShownBody
+from lsc_pose_ros.viz.stages.silhouette_panels import (
     draw_metres,
     draw_silhouette,
     draw_smoothing,
 )
-from lsc_pose_ros.viz.stages.skeleton_picture import draw_answer, skeleton_figure
-from lsc_pose_ros.viz.stages.votes_picture import draw_joint_votes, draw_pair_votes
+from lsc_pose_ros.viz.stages.skeleton_figure import draw_joints, skeleton_figure
+from lsc_pose_ros.viz.stages.vote_panels import draw_joint_votes, draw_pair_votes
 
 SHEET_NAME = 'stages'
 _COLUMNS = 4
@@ -33,13 +34,13 @@ _PANEL_WIDTH, _PANEL_HEIGHT = 2.3, 3.45
 Draw = Callable[[Axes], None]
 
 
-class Stage(NamedTuple):
-    """One stage's picture.
+class StagePanel(NamedTuple):
+    """The drawing of one stage.
 
     Attributes:
-        name: of its file, without the suffix.
-        draw: draws it into a place on the sheet.
-        figure: makes its own picture; None where that shows the same.
+        name: the name of its file, without the suffix.
+        draw: draws it into axes, for the sheet.
+        figure: returns a figure that shows more; None if there is none.
     """
 
     name: str
@@ -47,79 +48,79 @@ class Stage(NamedTuple):
     figure: Callable[[], Figure] | None = None
 
 
-def stages_of(seen: SeenBody) -> list[Stage]:
-    """Return the stages that can be drawn: without a model, the first four."""
-    own = seen.settings.feature == '3dlsc'
-    stages = [
-        Stage('1_depth', lambda axes: draw_metres(axes, seen)),
-        Stage('2_smoothing', lambda axes: draw_smoothing(axes, seen)),
-        Stage('3_silhouette', lambda axes: draw_silhouette(axes, seen)),
-        Stage(
+def stage_panels(shown: ShownBody) -> list[StagePanel]:
+    """Return the panels of all stages; without a model, of the first four."""
+    paper = shown.settings.feature == '3dlsc'
+    panels = [
+        StagePanel('1_depth', lambda axes: draw_metres(axes, shown)),
+        StagePanel('2_smoothing', lambda axes: draw_smoothing(axes, shown)),
+        StagePanel('3_silhouette', lambda axes: draw_silhouette(axes, shown)),
+        StagePanel(
             '4_descriptor',
-            lambda axes: draw_feature(axes, seen),
-            (lambda: descriptor_figure(seen)) if own else None,
+            lambda axes: draw_feature(axes, shown),
+            (lambda: descriptor_figure(shown)) if paper else None,
         ),
     ]
-    if seen.estimated is not None:
-        stages += _estimated_stages(seen, seen.estimated)
-    return stages
+    if shown.model is not None:
+        panels += _joint_panels(shown, shown.model)
+    return panels
 
 
-def _estimated_stages(seen: SeenBody, estimated: Estimated) -> list[Stage]:
+def _joint_panels(shown: ShownBody, model: Model) -> list[StagePanel]:
     return [
-        Stage('5_votes', lambda axes: draw_joint_votes(axes, seen, estimated)),
-        Stage(
+        StagePanel('5_votes', lambda axes: draw_joint_votes(axes, shown, model)),
+        StagePanel(
             '6_densities',
-            lambda axes: draw_densities(axes, seen, estimated),
-            lambda: densities_figure(seen, estimated),
+            lambda axes: draw_densities(axes, shown, model),
+            lambda: densities_figure(shown, model),
         ),
-        Stage('7_pairs', lambda axes: draw_pair_votes(axes, seen, estimated)),
-        Stage(
+        StagePanel('7_pairs', lambda axes: draw_pair_votes(axes, shown, model)),
+        StagePanel(
             '8_skeleton',
-            lambda axes: draw_answer(axes, seen, estimated),
-            lambda: skeleton_figure(seen, estimated),
+            lambda axes: draw_joints(axes, shown, model),
+            lambda: skeleton_figure(shown, model),
         ),
     ]
 
 
 @house_style()
-def stage_sheet(seen: SeenBody) -> Figure:
-    """Return one page with all stages."""
-    stages = stages_of(seen)
-    rows = math.ceil(len(stages) / _COLUMNS)
+def stage_sheet(shown: ShownBody) -> Figure:
+    """Return a figure with the panels of all stages."""
+    panels = stage_panels(shown)
+    rows = math.ceil(len(panels) / _COLUMNS)
     figure = new_figure(_COLUMNS * _PANEL_WIDTH, rows * _PANEL_HEIGHT + 0.3)
-    figure.suptitle(f'{seen.label}, body {seen.body}', fontsize=11)
+    figure.suptitle(f'{shown.label}, body {shown.number}', fontsize=11)
     grid = figure.subplots(rows, _COLUMNS, squeeze=False).ravel()
-    for number, (axes, stage) in enumerate(zip(grid, stages, strict=False), 1):
-        stage.draw(axes)
+    for number, (axes, panel) in enumerate(zip(grid, panels, strict=False), 1):
+        panel.draw(axes)
         axes.set_title(f'{number}. {axes.get_title()}')
-    for axes in grid[len(stages) :]:
+    for axes in grid[len(panels) :]:
         hide_axes(axes)
     return figure
 
 
 @house_style()
-def stage_figures(seen: SeenBody) -> dict[str, Figure]:
-    """Return a picture for each stage, by the name of its file, and the sheet of all."""
+def stage_figures(shown: ShownBody) -> dict[str, Figure]:
+    """Return a figure for each stage, by the name of its file, and the sheet of all."""
     figures: dict[str, Figure] = {}
-    for stage in stages_of(seen):
-        if stage.figure is not None:
-            figures[stage.name] = stage.figure()
+    for panel in stage_panels(shown):
+        if panel.figure is not None:
+            figures[panel.name] = panel.figure()
         else:
-            figures[stage.name] = new_figure(1.6 * _PANEL_WIDTH, 1.6 * _PANEL_HEIGHT)
-            stage.draw(figures[stage.name].subplots())
-    return figures | {SHEET_NAME: stage_sheet(seen)}
+            figures[panel.name] = new_figure(1.6 * _PANEL_WIDTH, 1.6 * _PANEL_HEIGHT)
+            panel.draw(figures[panel.name].subplots())
+    return figures | {SHEET_NAME: stage_sheet(shown)}
 
 
-def write_stages(directory: Path, seen: SeenBody) -> list[Path]:
-    """Write a PNG for each stage and one of all into `directory`; return their paths.
+def write_stages(directory: Path, shown: ShownBody) -> list[Path]:
+    """Write a PNG file for each stage and one of all into `directory`; return their paths.
 
     Raises:
         InputError: a file cannot be written.
     """
     make_directory(directory)
     paths: list[Path] = []
-    for name, figure in stage_figures(seen).items():
+    for name, figure in stage_figures(shown).items():
         paths.append(directory / f'{name}.png')
         save_png(figure, paths[-1])
     return paths

@@ -6,10 +6,15 @@ import math
 import numpy as np
 import pytest
 
-from lsc_pose_ros.plain.descriptor import describe_by_nearest_bin, quantise
-from lsc_pose_ros.pose.estimator import find_shape
-from lsc_pose_ros.pose.features.shape_context_3d import AZIMUTH_BINS, RADIUS_BINS, ZENITH_BINS
+from lsc_pose_ros.pose.features.nearest_bin import describe_by_nearest_bin, quantise
+from lsc_pose_ros.pose.features.shape_context_3d import (
+    AZIMUTH_BINS,
+    LEVEL_SCALE,
+    RADIUS_BINS,
+    ZENITH_BINS,
+)
 from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.pose.stages import describe_body
 
 DEGENERATE = {
     'none': np.zeros((0, 3)),
@@ -66,7 +71,7 @@ def test_degenerate_points(points):
 
 def shape_of(frame, settings):
     body = int(frame.ground_truth.bodies[0])
-    return find_shape(frame.depth, frame.labels, body, (frame.camera, settings))
+    return describe_body(frame.depth, frame.labels, frame.camera, body, settings)
 
 
 def test_the_setting_binning_decides(people):
@@ -90,3 +95,12 @@ def test_a_fixed_scale_takes_the_place_of_rho_bar(people):
     same = shape_of(people[0], settings._replace(fixed_scale=own.scale))
     np.testing.assert_array_equal(same.quantised, own.quantised)
     assert not np.array_equal(fixed.quantised, own.quantised)
+
+
+def test_quantise_keeps_the_order_and_saturates() -> None:
+    values = np.sort(np.random.default_rng(0).random((3, 360)).astype(np.float32) ** 4, axis=1)
+    quantised = quantise(values)
+    expected = np.minimum(255, np.floor(LEVEL_SCALE * np.sqrt(values.astype(float)) + 0.5))
+    assert np.abs(quantised.astype(int) - expected).max() <= 1  # rounding at the very border
+    assert (np.diff(quantised.astype(int), axis=1) >= 0).all()
+    assert quantise(np.array([[0.0, 1.0]], np.float32)).tolist() == [[0, 255]]

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.pose.estimator import find_shape
 from lsc_pose_ros.pose.features.point_features import feature_size
 from lsc_pose_ros.pose.features.shape_context_3d import describe, mean_distance
 from lsc_pose_ros.pose.settings import FEATURES, SAMPLES, Settings
+from lsc_pose_ros.pose.stages import describe_body
 
 
 @pytest.mark.parametrize('sample', SAMPLES)
@@ -14,7 +14,7 @@ def test_every_feature_describes_every_kind_of_points(feature, sample, people):
     settings = Settings(
         feature=feature, sample=sample, points=120, query_points=50, offset_pairs=90
     )
-    shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
+    shape = describe_body(frame.depth, frame.labels, frame.camera, 1, settings)
     assert feature_size(settings) == {'3dlsc': 360, '2dsc': 60, 'dcf': 90, 'mixed': 450}[feature]
     assert shape.quantised.shape == (50, feature_size(settings))
     assert shape.quantised.dtype == np.uint8
@@ -25,7 +25,7 @@ def test_every_feature_describes_every_kind_of_points(feature, sample, people):
 
 def test_the_papers_feature_is_the_descriptor_of_the_silhouette(people):
     frame, settings = people[5], Settings(points=120)
-    shape = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings))
+    shape = describe_body(frame.depth, frame.labels, frame.camera, 1, settings)
     points = shape.silhouette.points
     reach = mean_distance(points) * settings.support_radius
     expected = describe(points, np.arange(120), reach, settings.inner_radius)
@@ -36,11 +36,12 @@ def test_features_change_neither_the_points_nor_their_unit(people):
     frame = people[5]
     for sample in SAMPLES:
         shapes = [
-            find_shape(
+            describe_body(
                 frame.depth,
                 frame.labels,
+                frame.camera,
                 1,
-                (frame.camera, Settings(feature=feature, sample=sample)),
+                Settings(feature=feature, sample=sample),
             )
             for feature in FEATURES
         ]
@@ -53,7 +54,7 @@ def test_points_of_the_body_are_spread_over_all_of_it(people):
     frame = people[5]
     body = (frame.labels == 1) & (frame.depth > 0)
     settings = Settings(sample='body', points=200)
-    silhouette = find_shape(frame.depth, frame.labels, 1, (frame.camera, settings)).silhouette
+    silhouette = describe_body(frame.depth, frame.labels, frame.camera, 1, settings).silhouette
     everything = np.zeros_like(body)
     everything[silhouette.rows, silhouette.columns] = True
     np.testing.assert_array_equal(everything, body)

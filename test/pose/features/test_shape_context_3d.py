@@ -3,8 +3,8 @@ import math
 
 import numpy as np
 import pytest
+from plain import descriptor as plain
 
-from lsc_pose_ros.plain import descriptor as plain
 from lsc_pose_ros.pose.features.shape_context_3d import (
     AZIMUTH_BINS,
     DESCRIPTOR_SIZE,
@@ -135,12 +135,3 @@ def test_descriptors_do_not_change_with_place_and_scale() -> None:
     before = describe(points, everyone, mean_distance(points), 0.1).astype(int)
     after = describe(moved, everyone, mean_distance(moved), 0.1).astype(int)
     assert np.abs(after - before).max() <= 2
-
-
-def test_quantise_keeps_the_order_and_saturates() -> None:
-    values = np.sort(np.random.default_rng(0).random((3, 360)).astype(np.float32) ** 4, axis=1)
-    quantised = plain.quantise(values)
-    expected = np.minimum(255, np.floor(LEVEL_SCALE * np.sqrt(values.astype(float)) + 0.5))
-    assert np.abs(quantised.astype(int) - expected).max() <= 1  # rounding at the very border
-    assert (np.diff(quantised.astype(int), axis=1) >= 0).all()
-    assert plain.quantise(np.array([[0.0, 1.0]], np.float32)).tolist() == [[0, 255]]

@@ -5,19 +5,20 @@ import math
 import numpy as np
 import pytest
 
+from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.forest import body_yaw_search
 from lsc_pose_ros.pose.forest.body_yaw import body_yaws_around, with_body_yaw
 from lsc_pose_ros.pose.forest.body_yaw_search import (
     agreement,
     agreement_on,
     find_body_yaw,
-    leaves_of,
     peak_beside,
 )
 from lsc_pose_ros.pose.forest.forest import find_leaves
 from lsc_pose_ros.pose.forest.votes import Votes
-from lsc_pose_ros.pose.inference.density import Cloud
+from lsc_pose_ros.pose.inference.density import VoteCloud
 from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.pose.stages import joint_stages, run_stages
 from lsc_pose_ros.synthetic.generator import synthetic_frames
 from lsc_pose_ros.training.body_yaw_training import people_facing
 from lsc_pose_ros.training.samples import Person, labelled_people
@@ -29,7 +30,7 @@ def cast(places: list[np.ndarray], weights: list[np.ndarray]) -> Votes:
     """Return votes of which those for each joint are at `places`, shape (M, 3) each."""
     start = np.concatenate([[0], np.cumsum([len(each) for each in places])])
     x, y, z = np.ascontiguousarray(np.concatenate(places).astype(np.float32).T)
-    return Votes(start, Cloud(x, y, z, np.concatenate(weights).astype(np.float32)))
+    return Votes(start, VoteCloud(x, y, z, np.concatenate(weights).astype(np.float32)))
 
 
 def random_votes(seed: int, counts: tuple[int, ...]) -> Votes:
@@ -61,7 +62,7 @@ def agreement_twin(votes: Votes, h: float) -> float:
     """The sum over the joints of the density at the best mode, were all weights together 1."""
     total = 0.0
     for begin, end in zip(votes.start[:-1], votes.start[1:], strict=True):
-        place = votes.place[begin:end].astype(float)
+        place = votes.position[begin:end].astype(float)
         weight = votes.weight[begin:end].astype(float)
         if weight.sum() > 0:
             mode = mode_twin(place, weight, h)
@@ -302,18 +303,16 @@ def test_the_order_of_the_points_does_not_matter_much(
     assert (apart(again, found) < 45).mean() > 0.8
 
 
-def test_leaves_without_body_yaws_are_those_of_the_forest(
+def test_the_leaves_are_those_of_the_descriptors_with_the_body_yaw_if_the_trees_split_by_it(
     small_model: Model, people: list, body_yaw_model: Model, strangers: list[Person]
 ) -> None:
-    seen = labelled_people(people[:5], small_model.joints, small_model.settings)
-    for person in seen:
-        points, quantised, scale = person_of(person)
-        leaves = find_leaves(small_model.forest, quantised)
-        np.testing.assert_array_equal(leaves_of(small_model, points, quantised, scale), leaves)
-    for person in strangers[:5]:
-        points, quantised, scale = person_of(person)
-        told = with_body_yaw(quantised, find_body_yaw(body_yaw_model, points, quantised, scale))
-        np.testing.assert_array_equal(
-            leaves_of(body_yaw_model, points, quantised, scale),
-            find_leaves(body_yaw_model.forest, told),
-        )
+    known = list(labelled_people(people[:5], small_model.joints, small_model.settings))
+    for model, persons in ((small_model, known), (body_yaw_model, strangers[:5])):
+        for person in persons:
+            points, quantised, scale = person_of(person)
+            body = BodyEstimate.from_descriptors(points, quantised, scale)
+            assert run_stages(joint_stages(model), body)
+            if model is body_yaw_model:
+                body_yaw = find_body_yaw(model, points, quantised, scale)
+                quantised = with_body_yaw(quantised, body_yaw)
+            np.testing.assert_array_equal(body.leaves, find_leaves(model.forest, quantised))

@@ -116,7 +116,7 @@ def test_the_heaviest_votes_are_cast(seed: int, heaviest: int) -> None:
     for target, expected in enumerate(votes_twin(votes, leaves, origins, vote_settings)):
         mine = slice(cast.start[target], cast.start[target + 1])
         found = sorted(
-            zip(cast.weight[mine].tolist(), cast.place[mine].tolist(), strict=True),
+            zip(cast.weight[mine].tolist(), cast.position[mine].tolist(), strict=True),
             key=lambda vote: -vote[0],
         )
         assert [weight for weight, _ in found] == [weight for weight, _ in expected]

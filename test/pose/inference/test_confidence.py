@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.pose.forest.votes import Votes
-from lsc_pose_ros.pose.inference.confidence import confidence_in, support, uncalibrated
-from lsc_pose_ros.pose.inference.density import Cloud
+from lsc_pose_ros.pose.inference.confidence import confidence_in, uncalibrated, vote_fractions
+from lsc_pose_ros.pose.inference.density import VoteCloud
 
 BANDWIDTH = 0.07
 
@@ -11,14 +11,14 @@ BANDWIDTH = 0.07
 def random_votes(rng, counts):
     start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
     x, y, z = rng.normal(0, 0.08, (3, start[-1])).astype(np.float32)
-    return Votes(start, Cloud(x, y, z, rng.random(start[-1], np.float32)))
+    return Votes(start, VoteCloud(x, y, z, rng.random(start[-1], np.float32)))
 
 
 def plain_support(votes, places):
     shares = np.zeros(len(places))
     for joint, place in enumerate(places):
         mine = slice(votes.start[joint], votes.start[joint + 1])
-        squared = ((votes.place[mine] - place) ** 2).sum(axis=1)
+        squared = ((votes.position[mine] - place) ** 2).sum(axis=1)
         weight = votes.weight[mine].astype(float)
         if len(weight) and not np.isnan(place).any():
             shares[joint] = (weight * np.exp(-squared / BANDWIDTH**2)).sum() / weight.sum()
@@ -55,14 +55,14 @@ def test_without_a_calibration_the_share_of_the_votes_is_the_confidence():
     votes = random_votes(rng, [50, 0, 20])
     places = np.array([[0, 0, 0], [0, 0, 0], [np.nan] * 3], np.float32)
     found = confidence_in(uncalibrated(), votes, places, BANDWIDTH)
-    np.testing.assert_array_equal(found, support(votes, places, BANDWIDTH))
+    np.testing.assert_array_equal(found, vote_fractions(votes, places, BANDWIDTH))
     np.testing.assert_allclose(found, plain_support(votes, places), atol=1e-5)
 
 
 @pytest.mark.parametrize(('place', 'expected'), [(0.0, 0.9), (9.0, 0.2)])
 def test_all_votes_and_none_are_the_ends_of_the_scale(place, expected):
     here = np.zeros(4, np.float32)
-    votes = Votes(np.array([0, 4]), Cloud(here, here, here, here + np.float32(0.3)))
+    votes = Votes(np.array([0, 4]), VoteCloud(here, here, here, here + np.float32(0.3)))
     calibration = np.array([[0.2, 0.5, 0.9]], np.float32)
     places = np.full((1, 3), place, np.float32)
     found = confidence_in(calibration, votes, places, BANDWIDTH)

@@ -1,14 +1,14 @@
 import numpy as np
 import pytest
+from plain import density as plain
 
-from lsc_pose_ros.plain import density as plain
-from lsc_pose_ros.pose.inference.density import Cloud, climb, density, find_modes, mean_shift
+from lsc_pose_ros.pose.inference.density import VoteCloud, climb, density, find_modes, mean_shift
 
 BANDWIDTH = 0.07
 
 
-def cloud(votes: np.ndarray, weights: np.ndarray) -> Cloud:
-    return Cloud(*np.ascontiguousarray(votes.T), weights)
+def cloud(votes: np.ndarray, weights: np.ndarray) -> VoteCloud:
+    return VoteCloud(*np.ascontiguousarray(votes.T), weights)
 
 
 def random_votes(seed: int, count: int = 80) -> tuple[np.ndarray, np.ndarray]:

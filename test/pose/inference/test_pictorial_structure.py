@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.pose.forest.votes import Votes
-from lsc_pose_ros.pose.inference.density import Cloud
+from lsc_pose_ros.pose.inference.density import VoteCloud
 from lsc_pose_ros.pose.inference.pictorial_structure import (
     Candidates,
     Structure,
@@ -24,7 +24,7 @@ CROWDED = 5.0
 
 def gather_votes(start: list[int], place: np.ndarray, weight: np.ndarray) -> Votes:
     columns = np.ascontiguousarray(place.T.astype(np.float32))
-    return Votes(np.array(start), Cloud(*columns, weight.astype(np.float32)))
+    return Votes(np.array(start), VoteCloud(*columns, weight.astype(np.float32)))
 
 
 def cast(rng: np.random.Generator, centres: np.ndarray, empty: int | None) -> Votes:
@@ -54,7 +54,7 @@ def problem(
     places = rng.normal(0, 0.3, (JOINTS, 2, 3)).astype(np.float32)
     counts = rng.integers(1, 3, JOINTS)
     for joint in range(JOINTS):
-        mine = joints.place[joints.start[joint] : joints.start[joint + 1]]
+        mine = joints.position[joints.start[joint] : joints.start[joint + 1]]
         if len(mine):
             places[joint] = mine[rng.integers(0, len(mine), 2)]
         else:
@@ -66,7 +66,7 @@ def log_sum(place: np.ndarray, votes: Votes, target: int, h: float) -> float:
     mine = slice(votes.start[target], votes.start[target + 1])
     if not len(votes.weight[mine]):
         return 0.0
-    squared = ((votes.place[mine].astype(float) - place) ** 2).sum(axis=1)
+    squared = ((votes.position[mine].astype(float) - place) ** 2).sum(axis=1)
     share = np.where(squared < 16 * h**2, np.exp(-squared / h**2), 0)
     return float(np.log(max((votes.weight[mine] * share).sum(), FLOOR)))
 
@@ -100,7 +100,7 @@ def test_the_choice_is_the_best_of_all_combinations(
 
     def score(which: tuple[int, ...]) -> float:
         places = {
-            joint: candidates.places[joint, k].astype(float)
+            joint: candidates.positions[joint, k].astype(float)
             for joint, k in enumerate(which)
             if k >= 0
         }
@@ -115,7 +115,7 @@ def test_the_choice_is_the_best_of_all_combinations(
 @pytest.mark.parametrize('seed', range(10))
 def test_ascent_never_descends_and_ends_where_the_gradient_vanishes(seed: int) -> None:
     structure, joints, pairs, candidates = problem(seed)
-    start = candidates.places[:, 0]
+    start = candidates.positions[:, 0]
 
     def value(places: np.ndarray) -> float:
         return log_g(structure, joints, pairs, dict(enumerate(places.astype(float))))
@@ -140,7 +140,7 @@ def test_ascent_never_descends_and_ends_where_the_gradient_vanishes(seed: int) -
 
 def test_ascent_leaves_out_joints_that_are_unknown() -> None:
     structure, joints, pairs, candidates = problem(3, empty_joint=2)
-    start = candidates.places[:, 0].copy()
+    start = candidates.positions[:, 0].copy()
     start[2] = np.nan
     end = ascend(structure, joints, pairs, start)
     assert np.isnan(end[2]).all()

@@ -7,7 +7,7 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.pose.estimator import Estimator
-from lsc_pose_ros.pose.inference.truncation import cuts_of, truncation_factor
+from lsc_pose_ros.pose.inference.truncation import cut_sides, truncation_factor
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 from lsc_pose_ros.pose.silhouette.silhouette import cut_out
 
@@ -54,7 +54,7 @@ def share_twin(joint: np.ndarray, sides: str) -> float:
 )
 def test_the_nearer_to_a_cut_the_less_is_believed(rows: slice, columns: slice, sides: str) -> None:
     window = window_of(rows, columns)
-    assert cuts_of(window).tolist() == [side in sides for side in 'tblr']
+    assert cut_sides(window).tolist() == [side in sides for side in 'tblr']
     joints = np.random.default_rng(0).uniform((-1, -1, 1), (1, 1, 4), (200, 3)).astype(np.float32)
     found = truncation_factor(joints, window, CAMERA)
     assert found.dtype == np.float32
@@ -65,7 +65,7 @@ def test_the_nearer_to_a_cut_the_less_is_believed(rows: slice, columns: slice, s
 
 def test_who_is_not_cut_off_is_believed_wherever_the_joints_are() -> None:
     window = window_of(slice(1, HEIGHT - 1), slice(1, WIDTH - 1))
-    assert not cuts_of(window).any()
+    assert not cut_sides(window).any()
     joints = np.random.default_rng(1).uniform((-9, -9, 1), (9, 9, 4), (50, 3)).astype(np.float32)
     assert (truncation_factor(joints, window, CAMERA) == 1).all()
 

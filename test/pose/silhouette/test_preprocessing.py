@@ -9,16 +9,16 @@ from ragged_body import ragged_body
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.pose.estimator import find_shape
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.preprocessing import (
     Window,
     depth_noise,
     drop_flying,
     fill_holes,
-    on_surfaces,
+    remove_flying_pixels,
 )
 from lsc_pose_ros.pose.silhouette.silhouette import Silhouette, cut_out, find_silhouette
+from lsc_pose_ros.pose.stages import describe_body
 
 CAMERA = Intrinsics(280.0, 285.0, 30.0, 20.0)
 BODY = 3
@@ -93,8 +93,8 @@ def test_flying_pixels_are_those_with_few_neighbours_at_their_depth(
 
 def test_only_where_the_settings_say_so_are_flying_pixels_taken_out() -> None:
     window = ragged_window(1)
-    assert on_surfaces(window, Settings(fewest_neighbours=0)) is window
-    solid = on_surfaces(window, Settings(fewest_neighbours=3, neighbour_distance=0.05))
+    assert remove_flying_pixels(window, Settings(fewest_neighbours=0)) is window
+    solid = remove_flying_pixels(window, Settings(fewest_neighbours=3, neighbour_distance=0.05))
     np.testing.assert_array_equal(solid.depth, drop_flying_twin(window.depth, 3, 0.05))
     assert solid[1:] == window[1:]
 
@@ -244,7 +244,7 @@ def test_flying_pixels_are_no_noise() -> None:
     depth[5:23:2, 24] = depth[24, 5:23:2] = 2.08  # a fringe that hangs beside the body
     settings = Settings(fewest_neighbours=4, neighbour_distance=0.05, noise_factor=10.0)
     window = window_of(*whole_body(depth))
-    solid = on_surfaces(window, settings)
+    solid = remove_flying_pixels(window, settings)
     assert depth_noise(window.depth) > 1.15 * depth_noise(solid.depth)
     least = 10.0 * depth_noise(solid.depth)
     asked = Settings(smoothing_sigma=least, edge_threshold=least)
@@ -364,7 +364,7 @@ def test_a_pepper_of_missing_pixels_is_silhouette_unless_it_is_filled() -> None:
     outline[6:44, 11:49] = False
     for fewest, inner in ((5, 0), (0, 8 * holes.sum())):
         settings = Settings(fill_holes=fewest, points=10_000)
-        shape = find_shape(depth, labels, BODY, (CAMERA, settings))
+        shape = describe_body(depth, labels, CAMERA, BODY, settings)
         assert shape is not None
         found = np.zeros(depth.shape, bool)
         found[shape.silhouette.rows, shape.silhouette.columns] = True

@@ -1,9 +1,9 @@
 import numpy as np
 import pytest
+from plain import silhouette as plain
 from ragged_body import ragged_body
 
 from lsc_pose_ros.data_types.camera import Intrinsics, back_project
-from lsc_pose_ros.plain import silhouette as plain
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 from lsc_pose_ros.pose.silhouette.silhouette import (

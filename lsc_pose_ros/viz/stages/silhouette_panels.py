@@ -1,4 +1,4 @@
-"""From depth to silhouette: the first pictures of the way (eq. 1 and 2)."""
+"""Panels of depth, smoothing and silhouette, the first stages of the method (eq. 1, 2)."""
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,27 +11,27 @@ from lsc_pose_ros.viz.drawing.colours import DIVERGING, EDGE, FAINT, MIDDLE, SEQ
 from lsc_pose_ros.viz.drawing.crop import look_at
 from lsc_pose_ros.viz.drawing.depth_image import draw_depth
 from lsc_pose_ros.viz.drawing.dots import Dot, draw_dots
-from lsc_pose_ros.viz.stages.seen_body import SeenBody
+from lsc_pose_ros.viz.stages.shown_body import ShownBody
 
 
-def draw_metres(axes: Axes, seen: SeenBody) -> None:
+def draw_metres(axes: Axes, shown: ShownBody) -> None:
     """Draw the body's depth in metres."""
-    frame = seen.frame
+    frame = shown.frame
     hide_axes(axes)
-    shown = (frame.labels == seen.body) & (frame.depth > 0)
-    metres = np.where(shown, frame.depth, np.nan)
+    on_body = (frame.labels == shown.number) & (frame.depth > 0)
+    metres = np.where(on_body, frame.depth, np.nan)
     near, far = np.nanpercentile(metres, [1, 99])
     image = axes.imshow(metres, cmap=f'{SEQUENTIAL}_r', vmin=near, vmax=far)
-    look_at(axes, seen.box)
+    look_at(axes, shown.box)
     axes.set_title('depth of the body, m')
-    _add_scale(axes, image)
+    _add_colour_bar(axes, image)
 
 
-def draw_smoothing(axes: Axes, seen: SeenBody) -> None:
-    """Draw by how much smoothing moves each pixel, in millimetres (eq. 1)."""
+def draw_smoothing(axes: Axes, shown: ShownBody) -> None:
+    """Draw by how much smoothing changes the depth of each pixel, millimetres (eq. 1)."""
     hide_axes(axes)
-    window, smoothed = seen.shape.window, seen.shape.silhouette.smoothed
-    with np.errstate(invalid='ignore'):  # the background is infinitely far
+    window, smoothed = shown.result.window, shown.result.silhouette.smoothed
+    with np.errstate(invalid='ignore'):  # the depth of the background is infinity
         moved = 1000 * (smoothed.depth - window.depth)
     limit = max(float(np.nanpercentile(np.abs(moved), 98)), 1e-3)
     height, width = moved.shape
@@ -43,35 +43,35 @@ def draw_smoothing(axes: Axes, seen: SeenBody) -> None:
         vmax=limit,
         extent=(left, left + width, top + height, top),
     )
-    _draw_outline(axes, seen)
-    look_at(axes, seen.box)
+    _draw_outline(axes, shown)
+    look_at(axes, shown.box)
     axes.set_title('change by smoothing, mm')
-    _add_scale(axes, image)
+    _add_colour_bar(axes, image)
 
 
-def draw_silhouette(axes: Axes, seen: SeenBody) -> None:
-    """Draw all edge pixels E and the points E' that are kept of them (eq. 2).
+def draw_silhouette(axes: Axes, shown: ShownBody) -> None:
+    """Draw all edge pixels E and the points E' among them that are kept (eq. 2).
 
-    Where the settings sample the whole body, E are all of its pixels.
+    If `Settings.sample` is 'body', E are all pixels of the body.
     """
-    silhouette = seen.shape.silhouette
-    draw_depth(axes, seen.frame, seen.box, body=seen.body)
+    silhouette = shown.result.silhouette
+    draw_depth(axes, shown.frame, shown.box, body=shown.number)
     edges = np.stack([silhouette.columns, silhouette.rows], axis=1)
     draw_dots(axes, edges, Dot(3, EDGE, marker='s'))
-    kept = project(silhouette.points, seen.frame.camera)
+    kept = project(silhouette.points, shown.frame.camera)
     draw_dots(axes, kept, Dot(3.5, MIDDLE, layer=3))
-    name = 'points' if seen.settings.sample == 'body' else 'silhouette'
+    name = 'points' if shown.settings.sample == 'body' else 'silhouette'
     axes.set_title(f'{name}: {len(silhouette.points)} of {len(silhouette.rows)}')
 
 
-def _draw_outline(axes: Axes, seen: SeenBody) -> None:
-    """Draw where the body ends."""
-    mask = (seen.frame.labels == seen.body).astype(float)
+def _draw_outline(axes: Axes, shown: ShownBody) -> None:
+    """Draw the outline of the body's mask."""
+    mask = (shown.frame.labels == shown.number).astype(float)
     axes.contour(mask, levels=[0.5], colors=[FAINT], linewidths=0.6)
 
 
-def _add_scale(axes: Axes, image: AxesImage) -> None:
-    """Put the scale of the colours below the picture."""
+def _add_colour_bar(axes: Axes, image: AxesImage) -> None:
+    """Add the colour bar below the panel."""
     inset = axes.inset_axes((0.2, 0.034, 0.6, 0.016))
     bar = axes.figure.colorbar(image, cax=inset, orientation='horizontal')
     bar.outline.set_visible(False)

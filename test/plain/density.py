@@ -1,4 +1,4 @@
-"""Parzen densities over votes and their modes (eq. 14), with the exponential of the library."""
+"""Parzen densities over votes and their modes (eq. 14), with the library's exponential."""
 
 import math
 
@@ -6,16 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.pose.inference.density import FAINT, squared_distance
+from lsc_pose_ros.pose.inference.density import LEAST_DENSITY, squared_distance
 
-# A mode is found when a step is shorter than this share of the bandwidth.
-_STANDSTILL = 1e-2
+# Mean-shift has converged when a step is shorter than this fraction of the bandwidth.
+_CONVERGED = 1e-2
 _MOST_STEPS = 50
 
 
 @kernel
 def density(
-    place: NDArray[np.float32],
+    position: NDArray[np.float32],
     votes: NDArray[np.float32],
     weights: NDArray[np.float32],
     bandwidth: float,
@@ -23,7 +23,7 @@ def density(
     """Return phi(x) = sum over m of w_m exp(-||x - x_m||^2 / h^2) (eq. 14, 15).
 
     Args:
-        place: x, metres, shape (3,).
+        position: x, metres, shape (3,).
         votes: x_m, metres, shape (M, 3).
         weights: w_m, shape (M,).
         bandwidth: h, metres.
@@ -31,36 +31,36 @@ def density(
     total = 0.0
     scale = -1.0 / (bandwidth * bandwidth)
     for m in range(votes.shape[0]):
-        dx = place[0] - votes[m, 0]
-        dy = place[1] - votes[m, 1]
-        dz = place[2] - votes[m, 2]
+        dx = position[0] - votes[m, 0]
+        dy = position[1] - votes[m, 1]
+        dz = position[2] - votes[m, 2]
         total += weights[m] * math.exp(scale * (dx * dx + dy * dy + dz * dz))
     return total
 
 
 @kernel
 def mean_shift(
-    place: NDArray[np.float32],
+    position: NDArray[np.float32],
     votes: NDArray[np.float32],
     weights: NDArray[np.float32],
     bandwidth: float,
 ) -> NDArray[np.float32]:
-    """Return the votes' mean under a Gaussian at `place`: one step uphill; arguments as `density`.
+    """Return the votes' mean under a Gaussian at `position`: one step of mean-shift.
 
-    Where no vote is near, `place` itself.
+    Returns `position` unchanged if no vote is in range. Arguments as `density`.
     """
     scale = -1.0 / (bandwidth * bandwidth)
     total, x, y, z = 0.0, 0.0, 0.0, 0.0
     for m in range(votes.shape[0]):
-        dx = place[0] - votes[m, 0]
-        dy = place[1] - votes[m, 1]
-        dz = place[2] - votes[m, 2]
+        dx = position[0] - votes[m, 0]
+        dy = position[1] - votes[m, 1]
+        dz = position[2] - votes[m, 2]
         weight = weights[m] * math.exp(scale * (dx * dx + dy * dy + dz * dz))
         total += weight
         x += weight * votes[m, 0]
         y += weight * votes[m, 1]
         z += weight * votes[m, 2]
-    shifted = place.copy()
+    shifted = position.copy()
     if total > 1e-30:
         shifted[0] = x / total
         shifted[1] = y / total
@@ -70,40 +70,37 @@ def mean_shift(
 
 @kernel
 def climb(
-    place: NDArray[np.float32],
+    position: NDArray[np.float32],
     votes: NDArray[np.float32],
     weights: NDArray[np.float32],
     bandwidth: float,
 ) -> NDArray[np.float32]:
-    """Return the mode of the density that mean-shift reaches from `place`, shape (3,)."""
-    standstill = (_STANDSTILL * bandwidth) ** 2
+    """Return the mode of the density that mean-shift reaches from `position`, shape (3,)."""
+    converged = (_CONVERGED * bandwidth) ** 2
     for _ in range(_MOST_STEPS):
-        shifted = mean_shift(place, votes, weights, bandwidth)
-        moved = squared_distance(place, shifted)
-        place = shifted
-        if moved < standstill:
+        shifted = mean_shift(position, votes, weights, bandwidth)
+        moved = squared_distance(position, shifted)
+        position = shifted
+        if moved < converged:
             break
-    return place
+    return position
 
 
 @kernel
 def find_modes(
     votes: NDArray[np.float32], weights: NDArray[np.float32], bandwidth: float, wanted: int
 ) -> NDArray[np.float32]:
-    """Return at most `wanted` modes of the density, the highest start first, shape (n, 3).
-
-    As `core.density.find_modes`.
-    """
+    """Return at most `wanted` modes of the density, as `pose.inference.density.find_modes`."""
     modes = np.empty((wanted, 3), np.float32)
     found = 0
     heights = np.empty(votes.shape[0], np.float64)
     for m in range(votes.shape[0]):
         heights[m] = density(votes[m], votes, weights, bandwidth)
-    faint = FAINT * heights.max() if len(heights) else 0.0
+    least = LEAST_DENSITY * heights.max() if len(heights) else 0.0
     near = bandwidth * bandwidth
     while found < wanted and len(heights):
         best = np.argmax(heights)
-        if heights[best] <= faint:
+        if heights[best] <= least:
             break
         mode = climb(votes[best], votes, weights, bandwidth)
         known = False

@@ -1,1 +1,0 @@
-"""The hot kernels once more, written as their equations read."""

@@ -1,0 +1,1 @@
+"""The hot kernels in plain form, as their equations read: a reference for tests and speed."""
