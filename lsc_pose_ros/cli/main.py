@@ -49,34 +49,34 @@ class CommandModule(Protocol):
 COMMANDS: dict[str, Command] = {
     'import': Command(
         'lsc_pose_ros.cli.commands.import_command',
-        'turn a public data set into a labelled recording',
+        'convert a public data set into a labelled recording',
     ),
     'synth': Command(
         'lsc_pose_ros.cli.commands.synth_command',
         'generate a labelled recording of synthetic people',
     ),
     'train': Command(
-        'lsc_pose_ros.cli.commands.train_command', 'learn a model from labelled recordings'
+        'lsc_pose_ros.cli.commands.train_command', 'train a model on labelled recordings'
     ),
     'evaluate': Command(
         'lsc_pose_ros.cli.commands.evaluate_command', 'measure a model on labelled recordings'
     ),
     'replay': Command(
         'lsc_pose_ros.cli.commands.replay_command',
-        'estimate every frame of a recording, or publish it',
+        'estimate the joints in a recording, or publish it',
     ),
     'view': Command(
         'lsc_pose_ros.cli.commands.view_command',
-        'draw frames of a recording, or one through every stage',
+        'draw frames of a recording, or the stages of one frame',
     ),
     'bench': Command(
-        'lsc_pose_ros.cli.commands.bench_command', 'time every stage, beside the plain kernels'
+        'lsc_pose_ros.cli.commands.bench_command', 'time each stage of the estimation'
     ),
     'experiments': Command(
-        'lsc_pose_experiments.command', "measure the paper's tables and figures on recordings"
+        'lsc_pose_experiments.command', "repeat the paper's tables and figures on recordings"
     ),
     'info': Command(
-        'lsc_pose_ros.cli.commands.info_command', 'say what a recording or a model holds'
+        'lsc_pose_ros.cli.commands.info_command', 'print the contents of a recording or a model'
     ),
 }
 

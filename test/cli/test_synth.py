@@ -110,5 +110,5 @@ def test_help_names_sensors_and_defaults(capsys: pytest.CaptureFixture[str]) -> 
     with pytest.raises(SystemExit):
         run_command('--help')
     said = ' '.join(capsys.readouterr().out.split())
-    for words in ('kinect_v2', 'realsense', '(1.5 4)', '180 is all round (60)', 'DIR'):
+    for words in ('kinect_v2', 'realsense', '(1.5 4)', '180: all sides (60)', 'DIR'):
         assert words in said

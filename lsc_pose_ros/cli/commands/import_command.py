@@ -1,4 +1,4 @@
-"""`lsc_pose import`: a public data set becomes a labelled recording."""
+"""`lsc_pose import`: converts a public data set into a labelled recording."""
 
 import argparse
 from pathlib import Path
@@ -13,23 +13,23 @@ from lsc_pose_ros.datasets.utd_mhad import (
     select_takes,
 )
 
-HELP = 'turn a public data set into a labelled recording'
+HELP = 'convert a public data set into a labelled recording'
 
 _UTD_MHAD = f"""\
-Turn UTD-MHAD (Chen, Jafari, Kehtarnavaz, ICIP 2015: 27 actions before a Kinect v1) into a
-labelled recording. Three things about the data set are put right on the way:
+Convert UTD-MHAD (Chen, Jafari, Kehtarnavaz, ICIP 2015: 27 actions in front of a Kinect v1) into
+a labelled recording. Three errors of the data set are corrected:
 
   mirrored  its images and its X axis are mirrored. Images are flipped left-right, positions
             (X, Y up, Z) become (-X, -Y, Z) in the optical frame; left and right are the
             person's own.
   lag       its skeletons are {LAG} frames ahead of its depth: depth image k gets skeleton
             k - {LAG}, and the first {LAG} depth images of each sequence are left out.
-  labels    they come from the Kinect SDK's tracker, which loses a limb now and then: a joint that
-            projects more than {LABEL_MARGIN} pixels outside the mask is not labelled (NaN), unless
+  labels    they come from the tracker of the Kinect SDK, which sometimes loses a limb: a joint
+            more than {LABEL_MARGIN} pixels outside of the mask is not labelled (NaN), unless
             --no-label-filter is given.
 
 Frames are sorted by subject, action, trial and time; stamps are the original 30 Hz, with a gap of
-a second between sequences. The body's number in the mask is 1.
+a second between sequences. The number of the body in the mask is 1.
 """
 
 
@@ -38,12 +38,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     datasets = parser.add_subparsers(dest='dataset', required=True, metavar='DATASET')
     utd_mhad = datasets.add_parser(
         'utd-mhad',
-        help='UTD-MHAD: real people before a Kinect v1',
+        help='UTD-MHAD: real people in front of a Kinect v1',
         description=_UTD_MHAD,
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     utd_mhad.add_argument(
-        'directory', type=Path, metavar='DIR', help='holds the folders Depth and Skeleton'
+        'directory',
+        type=Path,
+        metavar='DIR',
+        help='folder that contains the folders Depth and Skeleton',
     )
     utd_mhad.add_argument(
         'output', type=Path, metavar='OUT', help='the recording: OUT.mcap, or a bag folder'
@@ -53,27 +56,34 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             f'--{name}', type=int, nargs='+', metavar='N', help=f'only these {name} (default: all)'
         )
     utd_mhad.add_argument(
-        '--stride', type=int, default=1, metavar='N', help='every Nth frame (default: %(default)s)'
+        '--stride',
+        type=int,
+        default=1,
+        metavar='N',
+        help='use each Nth frame (default: %(default)s)',
     )
     utd_mhad.add_argument(
         '--max-frames',
         type=int,
         metavar='N',
-        help='draw N frames at random, spread evenly over all selected (default: take all)',
+        help='choose N frames at random, spread evenly over all selected (default: all)',
     )
     utd_mhad.add_argument(
-        '--seed', type=int, default=0, help='of the draw of --max-frames (default: %(default)s)'
+        '--seed',
+        type=int,
+        default=0,
+        help='seed of the random choice of --max-frames (default: %(default)s)',
     )
     utd_mhad.add_argument(
         '--no-label-filter',
         dest='label_filter',
         action='store_false',
-        help=f'keep labels more than {LABEL_MARGIN} pixels outside the mask',
+        help=f'keep labels more than {LABEL_MARGIN} pixels outside of the mask',
     )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Import the data set that `arguments` name; return the exit status.
+    """Import the data set that `arguments` name and return the exit status.
 
     Raises:
         InputError: the data set or the output cannot be used.

@@ -1,4 +1,4 @@
-"""`lsc_pose info`: what a recording or a model holds."""
+"""`lsc_pose info`: prints the contents of a recording or a model."""
 
 import argparse
 from collections import deque
@@ -13,8 +13,8 @@ from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
 
 HELP = (
-    'Say what a recording or a model holds. A recording is read whole, its checksums included, '
-    'so that the counts and the warnings tell what can really be used.'
+    'Print the contents of a recording or a model. The whole recording is read, including its '
+    'checksums, so that the counts and warnings are reliable.'
 )
 
 _ZIP_MAGIC = b'PK\x03\x04'
@@ -27,18 +27,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'path',
         type=Path,
         metavar='PATH',
-        help='a recording (file or bag folder), a model, or the name of one that comes with the '
-        'package',
+        help='a recording (file or bag folder), a model, or the name of a model of the package',
     )
-    parser.add_argument('--json', type=Path, metavar='FILE', help='write it to FILE as JSON too')
+    parser.add_argument(
+        '--json', type=Path, metavar='FILE', help='also write the contents as JSON to FILE'
+    )
     add_topic_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print what `arguments.path` holds; return the exit status.
+    """Print the contents of `arguments.path` and return the exit status.
 
     Raises:
-        InputError: it is neither a recording nor a model, or the JSON cannot be written.
+        InputError: the path is neither a recording nor a model, or the JSON cannot be written.
     """
     path = arguments.path
     if not path.exists() and str(path) in shipped_models():
@@ -55,12 +56,12 @@ def _is_model(path: Path) -> bool:
     try:
         with path.open('rb') as stream:
             return stream.read(len(_ZIP_MAGIC)) == _ZIP_MAGIC
-    except OSError:  # a folder, or nothing: the recording's reader says which
+    except OSError:  # a folder or missing: the reader of recordings reports it
         return False
 
 
 def _describe_model(path: Path) -> dict[str, Any]:
-    # Only here: a recording's description need not load the whole method.
+    # Imported here, because the description of a recording does not need the method.
     from lsc_pose_ros.model_io.model_file import describe_model, load_model  # noqa: PLC0415
 
     description = describe_model(load_model(path))

@@ -1,4 +1,4 @@
-"""`lsc_pose synth`: a labelled recording of synthetic people, to train and to test with."""
+"""`lsc_pose synth`: generates a labelled recording of synthetic people."""
 
 import argparse
 from pathlib import Path
@@ -23,9 +23,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     _add_amount(parser)
     _add_people(parser)
-    _add_place(parser.add_argument_group('where camera and people are'))
+    _add_positions(parser.add_argument_group('positions of camera and people'))
     _add_sensor(parser.add_argument_group('the camera'))
-    _add_mocap(parser.add_argument_group("motion capture, instead of the generator's own poses"))
+    _add_mocap(
+        parser.add_argument_group("motion capture, in addition to the generator's own poses")
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -57,27 +59,31 @@ def settings_of(arguments: argparse.Namespace) -> SyntheticSettings:
 
 def _add_amount(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
-        '--frames', type=int, default=_DEFAULTS.frames, metavar='N', help='how many (%(default)s)'
+        '--frames',
+        type=int,
+        default=_DEFAULTS.frames,
+        metavar='N',
+        help='number of frames (%(default)s)',
     )
     parser.add_argument(
         '--seed',
         type=int,
         default=_DEFAULTS.seed,
         metavar='N',
-        help='the same, the same frames (%(default)s)',
+        help='seed of the random numbers; the same seed gives the same frames (%(default)s)',
     )
     parser.add_argument(
         '--fps',
         type=float,
         dest='rate',
         metavar='HZ',
-        help='a video of so many frames a second; without it, every frame is on its own',
+        help='frame rate of a video; without it, each frame has a new pose',
     )
     parser.add_argument(
         '--clip-length',
         type=int,
         metavar='N',
-        help=f'every N frames new people come ({CLIP_LENGTH}; {VIDEO_CLIP_LENGTH} in a video)',
+        help=f'frames with the same people ({CLIP_LENGTH}; {VIDEO_CLIP_LENGTH} in a video)',
     )
 
 
@@ -87,45 +93,49 @@ def _add_people(parser: argparse.ArgumentParser) -> None:
         type=int,
         default=_DEFAULTS.people,
         metavar='N',
-        help='in every frame (%(default)s)',
+        help='people per frame (%(default)s)',
     )
-    _add_range(parser, 'age', ('YOUNGEST', 'OLDEST'), 'years')
-    _add_range(parser, 'stature', ('SMALLEST', 'TALLEST'), 'metres')
+    _add_range(parser, 'age', ('YOUNGEST', 'OLDEST'), 'age in years')
+    _add_range(parser, 'stature', ('SMALLEST', 'TALLEST'), 'stature in metres')
     parser.add_argument(
         '--yaw',
         type=float,
         default=_DEFAULTS.yaw,
         metavar='DEGREES',
-        help='people face so far aside of the camera at most; 180 is all round (%(default)g)',
+        help='largest angle between facing direction and camera; 180: all sides (%(default)g)',
     )
 
 
-def _add_place(parser: argparse._ArgumentGroup) -> None:
+def _add_positions(parser: argparse._ArgumentGroup) -> None:
     _add_range(
         parser,
         'distance',
         ('NEAREST', 'FARTHEST'),
-        'of people from the camera, metres; who does not fit the image so near stands farther',
+        'distance from the camera, metres; people who do not fit in the image stand farther away',
     )
     _add_range(
-        parser, 'height', ('LOWEST', 'HIGHEST'), 'of the camera, metres', dest='camera_height'
+        parser,
+        'height',
+        ('LOWEST', 'HIGHEST'),
+        'height of the camera, metres',
+        dest='camera_height',
     )
     _add_range(
         parser,
         'tilt',
         ('LEAST', 'MOST'),
-        'by which the camera looks down, degrees; negative is up',
+        'downward tilt of the camera, degrees; negative is upward',
         dest='camera_tilt',
     )
     parser.add_argument(
         '--cropped',
         action='store_true',
-        help="people may be cut off by the image's edge; else they are in full view",
+        help='let the edge of the image cut off people; otherwise they are in full view',
     )
     parser.add_argument(
         '--background',
         action='store_true',
-        help='a room with furniture about the people; else there is nothing',
+        help='add a room with furniture around the people',
     )
 
 
@@ -134,14 +144,14 @@ def _add_sensor(parser: argparse._ArgumentGroup) -> None:
         '--sensor',
         choices=SENSORS,
         default=_DEFAULTS.sensor,
-        help='whose size, field of view and noise are taken (%(default)s): %(choices)s',
+        help='camera that defines size, field of view and noise (%(default)s): %(choices)s',
         metavar='NAME',
     )
     parser.add_argument(
         '--size',
         type=image_size,
         metavar='WIDTHxHEIGHT',
-        help="of the image, pixels (the sensor's)",
+        help="size of the image, pixels (the sensor's)",
     )
     parser.add_argument(
         '--fov',
@@ -154,34 +164,32 @@ def _add_sensor(parser: argparse._ArgumentGroup) -> None:
         '--noise',
         choices=NOISES,
         metavar='NAME',
-        help="the sensor's own; or another's, or none",
+        help="noise of this sensor, or none (the sensor's own)",
     )
 
 
 def _add_mocap(parser: argparse._ArgumentGroup) -> None:
-    parser.add_argument(
-        '--mocap', type=Path, metavar='DIR', help='a folder of BVH files to draw from'
-    )
+    parser.add_argument('--mocap', type=Path, metavar='DIR', help='folder of BVH files')
     parser.add_argument(
         '--mocap-mapping',
         type=Path,
         metavar='FILE',
-        help="says what the files' joints are (config/mocap/cmu.yaml)",
+        help='mapping of the joints in the files (config/mocap/cmu.yaml)',
     )
     parser.add_argument(
         '--mocap-share',
         type=float,
         default=_DEFAULTS.mocap_share,
         metavar='SHARE',
-        help='of people who move as in the files, 0 to 1 (%(default)g)',
+        help='fraction of people who move as in the files, 0 to 1 (%(default)g)',
     )
-    for name, meaning in (('only', 'only from these files'), ('without', 'not from these files')):
+    for name, meaning in (('only', 'use only these files'), ('without', 'do not use these files')):
         parser.add_argument(
             f'--mocap-{name}',
             nargs='+',
             default=(),
             metavar='CLIP',
-            help=f"draw {meaning}, without '.bvh'; '05_*' names all of a kind",
+            help=f"{meaning}, named without '.bvh'; '05_*' is a pattern",
         )
 
 
