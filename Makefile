@@ -1,33 +1,38 @@
-# Everything from a fresh clone: Python 3.10 to 3.13 with pip, and make, are all it needs.
+# All targets work from a fresh clone; they need Python 3.10 to 3.13 with pip, and make.
 
 PYTHON ?= python3
 
 VENV := .venv
 BIN := $(VENV)/bin
 
-# The oldest releases that setup.py allows, and a Python that numba 0.59 has wheels for. (numba 0.58
-# passes the same tests on Python 3.11, by hand; it has no wheels for 3.12.)
+# The tests of the method, which need neither ROS nor recordings.
+ARRAY_TESTS := test/data_types test/numerics test/pose test/segmentation test/tracking test/estimation \
+	test/training test/evaluation test/model_io
+
+# The oldest releases that setup.py allows, on a Python that numba 0.59 has wheels for. numba 0.58
+# has no wheels for Python 3.12.
 FLOOR := .venv-floor
 FLOOR_PACKAGES := 'numpy==1.26.*' 'numba==0.59.*' 'mcap==1.3.*' 'rosbags==0.10.*' 'pytest==7.4.*'
-FLOOR_TESTS := test/data_types test/numerics test/pose test/segmentation test/tracking test/estimation \
-	test/training test/evaluation test/model_io/test_model_file.py
 FLOOR_PYTHON = $(shell for python in '$(PYTHON)' python3.12 python3.11 python3.10; do \
 	"$$python" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 12))' \
 	2>/dev/null && echo "$$python" && break; done)
 
-# The oldest and the newest Python, where they are here: a seed gives the same people with both.
+# Other Pythons that are installed here. The newest one has the newest numpy, which an older Python
+# may not have: numpy 2.5 needs Python 3.12. A seed gives the same people on all of them.
 find_python = $(shell \
 	for python in python$(1) "$${PYENV_ROOT:-$$HOME/.pyenv}"/versions/$(1).*/bin/python; do \
 	"$$python" -c '' 2>/dev/null && echo "$$python" && break; done)
-SEED_VERSIONS := $(foreach version,3.10 3.13,$(if $(call find_python,$(version)),$(version)))
-SEED_FOLDERS := $(SEED_VERSIONS:%=.venv-%)
+installed = $(foreach version,$(1),$(if $(call find_python,$(version)),$(version)))
+NEWEST_VERSION := $(firstword $(call installed,3.14 3.13 3.12))
+NEWEST := $(NEWEST_VERSION:%=.venv-%)
+SEED_FOLDERS := $(addprefix .venv-,$(call installed,3.10) $(NEWEST_VERSION))
 
 # colcon needs a setuptools older than the one that the other tests use.
 COLCON := .venv-colcon
 COLCON_PACKAGES := 'setuptools<80' colcon-core colcon-defaults colcon-library-path colcon-metadata \
 	colcon-output colcon-package-selection colcon-python-setup-py colcon-recursive-crawl colcon-ros
 
-# The ROS wheels mark the environment of the Python that they have set up; ours is another.
+# The ROS wheels set this for the Python that they belong to; the tests start others.
 unexport _ROS_WHEELS_BOOTSTRAP_COMPLETE
 ifneq ($(ROS_DISTRO),jazzy)
 # The packages of another ROS distribution would hide the wheels' own.
@@ -36,22 +41,22 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install settings test lint test-floor test-newest demo model benchmarks benchmarks-live clean
+.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo model benchmarks benchmarks-live clean
 
 help:
-	@echo 'make demo             start the live node, check what it answers; train a model beside it'
-	@echo 'make test             linters, types, import contract, tests on the oldest and newest numpy'
-	@echo 'make install          the environment $(VENV) alone, with the ROS wheels unless Jazzy is sourced'
-	@echo 'make settings         pose_node.yaml and docs/parameters.md, after a change of settings/table.py'
-	@echo 'make model            train anew the model that comes with the package, and measure it, in'
-	@echo '                      an hour or two; MOCAP=DIR for motion capture, NAME=front for another'
-	@echo 'make benchmarks       the curves of benchmarks/, on a machine that does nothing else'
-	@echo 'make benchmarks-live  its table of the live node, in seven minutes'
-	@echo 'make clean            remove all that these made'
+	@echo 'make demo             start the live node and check its skeletons; train another model'
+	@echo 'make test             linters, types, import contracts, tests on the oldest and newest numpy'
+	@echo 'make install          only the environment $(VENV), with ROS wheels unless Jazzy is sourced'
+	@echo 'make settings         write pose_node.yaml and docs/parameters.md from settings/table.py'
+	@echo 'make model            train and measure the model of the package, in one or two hours;'
+	@echo '                      MOCAP=DIR for motion capture, NAME=front for the other model'
+	@echo 'make benchmarks       the curves of benchmarks/; nothing else may run meanwhile'
+	@echo 'make benchmarks-live  the table of the live node, in seven minutes'
+	@echo 'make clean            remove all that these targets made'
 
 install: $(VENV)/installed
 
-test: lint test-floor test-newest
+test: lint test-floor test-newest-numpy test-newest
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
@@ -67,9 +72,19 @@ test-newest: $(VENV)/installed $(COLCON)/installed $(SEED_FOLDERS:%=%/installed)
 
 test-floor: $(if $(FLOOR_PYTHON),$(FLOOR)/installed)
 ifneq ($(FLOOR_PYTHON),)
-	NUMBA_CACHE_DIR=$(FLOOR)/numba PYTHONPATH= $(FLOOR)/bin/python -m pytest $(FLOOR_TESTS)
+	NUMBA_CACHE_DIR=$(FLOOR)/numba PYTHONPATH= $(FLOOR)/bin/python -m pytest $(ARRAY_TESTS)
 else
-	@echo 'Skipped: numpy 1.26 with numba 0.59 takes Python 3.10, 3.11 or 3.12, and none is here.'
+	@echo 'Skipped: numpy 1.26 with numba 0.59 needs Python 3.10, 3.11 or 3.12, and none is installed.'
+endif
+
+# Skipped if the environment of the other tests has the same numpy.
+NUMPY_VERSION := -c 'import numpy; print(numpy.__version__)'
+test-newest-numpy: $(VENV)/installed $(NEWEST:%=%/installed)
+ifneq ($(NEWEST),)
+	[ "$$($(BIN)/python $(NUMPY_VERSION))" = "$$($(NEWEST)/bin/python $(NUMPY_VERSION))" ] || \
+	NUMBA_CACHE_DIR=$(NEWEST)/numba PYTHONPATH= $(NEWEST)/bin/python -m pytest $(ARRAY_TESTS)
+else
+	@echo 'Skipped: the newest numpy needs Python 3.12 or newer, and none is installed.'
 endif
 
 demo: $(VENV)/installed
@@ -92,7 +107,7 @@ clean:
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
 	find lsc_pose_ros test launch -name __pycache__ -type d -prune -exec rm -rf {} +
 
-# A Jazzy that is sourced serves where the environment can import it; else the wheels do.
+# A sourced Jazzy is used if the environment can import it; otherwise the wheels are installed.
 $(VENV)/installed: setup.py pyproject.toml .ci/environment
 ifeq ($(ROS_DISTRO),jazzy)
 	.ci/environment $(VENV) '$(PYTHON)' --system-site-packages -- --editable '.[test]' --editable ./experiments
@@ -103,8 +118,8 @@ else
 endif
 	@touch $@
 
-.venv-3.%/installed: Makefile .ci/environment
-	.ci/environment $(@D) '$(call find_python,3.$*)' -- numba numpy pyyaml
+.venv-3.%/installed: Makefile setup.py .ci/environment
+	.ci/environment $(@D) '$(call find_python,3.$*)' -- --editable . pytest
 	@touch $@
 
 $(COLCON)/installed: Makefile .ci/environment

@@ -1,11 +1,12 @@
-"""Install lsc_pose_ros: pip and colcon both come here."""
+"""Package lsc_pose_ros for pip and colcon."""
 
 from pathlib import Path
 
 from setuptools import find_packages, setup
 
 PACKAGE = 'lsc_pose_ros'
-# colcon runs a symbolic link to this file, in a folder without the README.
+ADDRESS = 'https://github.com/lsc-pose-ros/lsc_pose_ros'
+# colcon runs a symbolic link to this file in a folder without the README.
 README = Path(__file__).resolve().with_name('README.md')
 
 # Training and offline work: no ROS.
@@ -22,7 +23,7 @@ REQUIREMENTS = [
 ]
 
 EXTRAS = {
-    # A ROS 2 Jazzy from wheels, for machines that have none.
+    # ROS 2 Jazzy from wheels, for machines without ROS.
     'ros': [
         'ros-jazzy-diagnostic-msgs>=5.3',
         'ros-jazzy-rclpy[fastrtps]>=7.1',
@@ -33,9 +34,9 @@ EXTRAS = {
     'mat': ['scipy>=1.11'],
     'test': [
         'import-linter>=2.0',
-        'mypy>=1.11',
+        'mypy==2.4.1',
         'pytest>=7.4,<10',
-        'ruff>=0.9',
+        'ruff==0.17.6',
         'scipy>=1.11',
         'scipy-stubs',
         'setuptools>=70.1',
@@ -70,10 +71,23 @@ setup(
     description='Human joints in 3-D from one depth image and a person mask, for ROS 2',
     long_description=README.read_text(encoding='utf-8'),
     long_description_content_type='text/markdown',
-    license='Apache-2.0',
+    license='Apache-2.0 AND CC0-1.0',
+    license_files=['LICENSE', f'{PACKAGE}/resources/bodies/LICENSE.md'],
+    url=ADDRESS,
+    project_urls={
+        'Issues': f'{ADDRESS}/issues',
+        'Changes': f'{ADDRESS}/blob/main/CHANGELOG.rst',
+    },
+    author='lsc_pose_ros contributors',
     maintainer='lsc_pose_ros maintainers',
     maintainer_email='maintainers@users.noreply.h-seed-a1dd597a.example',
     keywords=['ROS', 'human pose estimation', 'depth image', 'regression forest'],
+    classifiers=[
+        'Operating System :: POSIX :: Linux',
+        *(f'Programming Language :: Python :: 3.{minor}' for minor in range(10, 15)),
+        'Topic :: Scientific/Engineering :: Image Recognition',
+        'Typing :: Typed',
+    ],
     python_requires='>=3.10',
     packages=find_packages(include=[PACKAGE, f'{PACKAGE}.*']),
     data_files=[

@@ -68,11 +68,19 @@ def test_the_version_is_the_same_everywhere() -> None:
     assert setup.group(1) == lsc_pose_ros.__version__ == text_of(package_xml(), 'version')
 
 
-def test_the_package_is_one_that_ros_knows() -> None:
+def test_the_manifest_has_what_ros_needs() -> None:
     package = package_xml()
     assert package.get('format') == '3'
     assert text_of(package, 'name') == 'lsc_pose_ros'
-    assert text_of(package, 'license') == 'Apache-2.0'
+    licenses = {element.text: element.get('file', '') for element in package.iter('license')}
+    assert list(licenses) == ['Apache-2.0', 'CC0-1.0']
+    assert all((ROOT / file).is_file() for file in licenses.values())
+    assert {url.get('type') for url in package.iter('url')} == {
+        'website',
+        'repository',
+        'bugtracker',
+    }
+    assert package.find('author') is not None
     assert text_of(package, 'export/build_type') == 'ament_python'
     assert (ROOT / 'resource' / 'lsc_pose_ros').is_file()
     scripts = configparser.ConfigParser()
