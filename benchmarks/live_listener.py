@@ -16,7 +16,7 @@ from rclpy.serialization import deserialize_message
 
 from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
-from lsc_pose_ros.bags.storage.serialized_messages import POINT_CLOUD
+from lsc_pose_ros.messages.type_names import POINT_CLOUD
 from lsc_pose_ros.ros.health.diagnostics import TOPIC as DIAGNOSTICS_TOPIC
 from lsc_pose_ros.ros.playback.listener import open_listener
 

@@ -23,11 +23,11 @@ import numpy as np
 from lsc_pose_ros.bags import RecordingWriter, SerializedMessage, open_recording, read_messages
 from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
-from lsc_pose_ros.bags.storage.serialized_messages import POINT_CLOUD
 from lsc_pose_ros.cli import main as command_line
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import joint_errors
+from lsc_pose_ros.messages.type_names import POINT_CLOUD
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.resources.package_files import default_model
 from lsc_pose_ros.ros.isolation import isolated_environment

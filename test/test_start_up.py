@@ -40,8 +40,8 @@ from lsc_pose_ros.estimation.warm_up import warm_up
 from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.bags import open_recording
-from lsc_pose_ros.bags.serialization.image_messages import depth_of, labels_of
-from lsc_pose_ros.bags.serialization.deserialize import CompressedImageMessage, ImageMessage
+from lsc_pose_ros.messages.image_pixels import depth_of, labels_of
+from lsc_pose_ros.messages.parse import StampedCompressedImage, StampedImage
 
 def image(pixels, encoding, padding=0):
     pixels = np.pad(pixels, ((0, 0), (0, padding)))
@@ -49,11 +49,11 @@ def image(pixels, encoding, padding=0):
         encoding, len(pixels), pixels.shape[1] - padding, pixels.strides[0],
         pixels.dtype.byteorder == '>',
     )
-    return ImageMessage(0, '', layout, np.frombuffer(pixels.tobytes(), np.uint8))
+    return StampedImage(0, '', layout, np.frombuffer(pixels.tobytes(), np.uint8))
 
 def compressed(pixels, codec):
     form, data = encode_compressed_depth(pixels, codec)
-    return CompressedImageMessage(0, '', form, np.frombuffer(data, np.uint8))
+    return StampedCompressedImage(0, '', form, np.frombuffer(data, np.uint8))
 
 def messages(frame):
     millimetres = np.rint(1000 * frame.depth).astype('<u2')

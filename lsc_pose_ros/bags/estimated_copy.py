@@ -5,10 +5,10 @@ from collections.abc import Iterator
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, SerializedMessage, read_messages
 from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
-from lsc_pose_ros.bags.storage.serialized_messages import MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import Sequence
 from lsc_pose_ros.messages.markers import Drawing
+from lsc_pose_ros.messages.type_names import MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
 from lsc_pose_ros.settings.table import DrawingSettings
 

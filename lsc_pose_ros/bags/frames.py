@@ -4,26 +4,23 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from lsc_pose_ros.bags.serialization.deserialize import (
-    CompressedImageMessage,
     DamagedMessageError,
-    ImageMessage,
     read_camera_info,
     read_compressed_image,
     read_image,
     read_skeletons,
 )
-from lsc_pose_ros.bags.serialization.image_messages import depth_of, labels_of
 from lsc_pose_ros.bags.storage.reader import RecordingReader
-from lsc_pose_ros.bags.storage.serialized_messages import IMAGE, ReadStatistics, SerializedMessage
+from lsc_pose_ros.bags.storage.serialized_messages import ReadStatistics, SerializedMessage
 from lsc_pose_ros.bags.topics import RecordedTopics, Topics, find_topics
-from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.frames import make_frame
+from lsc_pose_ros.messages.image_pixels import AnyImage
+from lsc_pose_ros.messages.parse import StampedImage
+from lsc_pose_ros.messages.type_names import IMAGE
 from lsc_pose_ros.synchronization.frame_assembly import Assembled, Assembly
-
-_Image = ImageMessage | CompressedImageMessage
 
 # How far a recording is read to learn the encodings of its images.
 _MOST_PEEKED = 5000
@@ -74,43 +71,22 @@ class FrameReader:
         if frames == 0:
             raise InputError(self._no_frame(reading))
 
-    def _frame(self, assembled: Assembled[_Image]) -> Frame:
-        where, topics = self.path, self.topics
+    def _frame(self, assembled: Assembled[AnyImage]) -> Frame:
+        if assembled.camera is None:
+            msg = 'a frame without camera info must not be released'
+            raise AssertionError(msg)
         try:
-            depth = depth_of(assembled.depth)
-        except InputError as error:
-            msg = f'{where}: topic {topics.depth}: {error}'
-            raise InputError(msg) from error
-        if assembled.mask is None:
-            labels = np.full(depth.shape, NO_BODY, np.int32)
-        else:
-            try:
-                labels = labels_of(assembled.mask, self._background)
-            except InputError as error:
-                msg = f'{where}: topic {topics.mask}: {error}'
-                raise InputError(msg) from error
-        self._check_size(topics.mask, labels.shape, depth.shape)
-        info = assembled.camera
-        if info is None:  # the assembly gives out no frame without
-            raise AssertionError
-        if info.height and info.width:
-            self._check_size(topics.camera_info, (info.height, info.width), depth.shape)
-        return Frame(
-            assembled.stamp,
-            assembled.depth.frame_id,
-            depth,
-            labels,
-            info.camera,
-            assembled.ground_truth,
-        )
-
-    def _check_size(self, topic: str, size: tuple[int, ...], wanted: tuple[int, ...]) -> None:
-        if size != wanted:
-            msg = (
-                f'{self.path}: {topic} is for {size[1]} x {size[0]} pixels, but the depth images '
-                f'of {self.topics.depth} have {wanted[1]} x {wanted[0]}; both must be the same'
+            return make_frame(
+                assembled.depth,
+                assembled.mask,
+                assembled.camera,
+                assembled.ground_truth,
+                topics=self.topics,
+                mask_background=self._background,
             )
-            raise InputError(msg)
+        except InputError as error:
+            msg = f'{self.path}: topic {error}'
+            raise InputError(msg) from error
 
     def _no_frame(self, reading: '_Reading') -> str:
         """Say why there is no frame."""
@@ -134,11 +110,11 @@ class _Reading:
         self._topics = topics
         self._damaged: Counter[str] = Counter()
         self.counts: Counter[str] = Counter()
-        self.assembly: Assembly[_Image] = Assembly(
+        self.assembly: Assembly[AnyImage] = Assembly(
             with_mask=bool(topics.mask), with_ground_truth=bool(topics.ground_truth)
         )
 
-    def assembled(self) -> Iterator[Assembled[_Image]]:
+    def assembled(self) -> Iterator[Assembled[AnyImage]]:
         wanted = frozenset(filter(None, self._topics))
         for message in self._raw:
             if message.topic in wanted:
@@ -163,7 +139,7 @@ class _Reading:
             ),
         ]
 
-    def _add(self, message: SerializedMessage) -> list[Assembled[_Image]]:
+    def _add(self, message: SerializedMessage) -> list[Assembled[AnyImage]]:
         try:
             frames = self._dispatch(message)
         except DamagedMessageError:
@@ -175,7 +151,7 @@ class _Reading:
         self.counts[message.topic] += 1
         return frames
 
-    def _dispatch(self, message: SerializedMessage) -> list[Assembled[_Image]]:
+    def _dispatch(self, message: SerializedMessage) -> list[Assembled[AnyImage]]:
         topics = self._topics
         if message.topic == topics.depth:
             depth = _read(message)
@@ -216,7 +192,7 @@ def open_recording(
     return FrameReader(raw, found, mask_background)
 
 
-def _read(message: SerializedMessage) -> _Image:
+def _read(message: SerializedMessage) -> AnyImage:
     if message.type_name == IMAGE:
         return read_image(message.data)
     return read_compressed_image(message.data)
@@ -234,7 +210,7 @@ def _encodings(raw: RecordingReader, names: Sequence[str]) -> Mapping[str, str]:
             except DamagedMessageError:
                 continue
             encodings[message.topic] = (
-                image.layout.encoding if isinstance(image, ImageMessage) else image.format
+                image.layout.encoding if isinstance(image, StampedImage) else image.format
             )
     return encodings
 

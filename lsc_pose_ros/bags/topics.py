@@ -3,15 +3,10 @@
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from lsc_pose_ros.bags.storage.serialized_messages import (
-    CAMERA_INFO,
-    COMPRESSED_IMAGE,
-    IMAGE,
-    POINT_CLOUD,
-    TopicSummary,
-)
+from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.image_encodings import DEPTH_TYPES
+from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, POINT_CLOUD
 
 _IMAGES = (IMAGE, COMPRESSED_IMAGE)
 _MASK_WORDS = ('mask', 'body_index', 'label', 'segment')

@@ -5,15 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.bags.serialization.type_store import message_class, typestore
 from lsc_pose_ros.data_types.body_frame import body_frame, quaternion
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 
-TF_MESSAGE = 'tf2_msgs/msg/TFMessage'
-
 _NO_ROTATION = (0.0, 0.0, 0.0, 1.0)
-_SECOND_NS = 1_000_000_000
 
 
 class Transform(NamedTuple):
@@ -65,39 +61,6 @@ def skeleton_transforms(
             if np.isfinite(place).all()
         ]
     return transforms
-
-
-def transforms_message(stamp: int, transforms: list[Transform]) -> bytes:
-    """Return `transforms` as a serialised tf2_msgs/TFMessage.
-
-    Args:
-        stamp: the depth image's, nanoseconds.
-        transforms: the frames.
-    """
-    seconds, nanoseconds = divmod(stamp, _SECOND_NS)
-    time = message_class('builtin_interfaces/msg/Time')(sec=seconds, nanosec=nanoseconds)
-    header, stamped = (
-        message_class('std_msgs/msg/Header'),
-        message_class('geometry_msgs/msg/TransformStamped'),
-    )
-    transform, vector, turn = (
-        message_class('geometry_msgs/msg/Transform'),
-        message_class('geometry_msgs/msg/Vector3'),
-        message_class('geometry_msgs/msg/Quaternion'),
-    )
-    message = message_class(TF_MESSAGE)(
-        transforms=[
-            stamped(
-                header=header(stamp=time, frame_id=each.parent),
-                child_frame_id=each.child,
-                transform=transform(
-                    translation=vector(*each.translation), rotation=turn(*each.rotation)
-                ),
-            )
-            for each in transforms
-        ]
-    )
-    return bytes(typestore().serialize_cdr(message, TF_MESSAGE, little_endian=True))
 
 
 def _numbers(values: NDArray[np.float64]) -> tuple[float, ...]:

@@ -4,8 +4,8 @@ from collections import OrderedDict, deque
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from lsc_pose_ros.bags.serialization.deserialize import CameraInfoMessage
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.messages.parse import StampedCamera
 from lsc_pose_ros.synchronization.pairing import Pairing
 
 Item = TypeVar('Item')
@@ -26,7 +26,7 @@ class Assembled(Generic[Item]):
     stamp: int
     depth: Item
     mask: Item | None
-    camera: CameraInfoMessage | None = None
+    camera: StampedCamera | None = None
     ground_truth: Skeletons | None = None
     camera_settled: bool = False
     ground_truth_settled: bool = False
@@ -62,9 +62,9 @@ class Assembly(Generic[Item]):
         self._with_ground_truth = with_ground_truth
         self._capacity = capacity
         self._waiting: deque[Assembled[Item]] = deque()
-        self._cameras: OrderedDict[int, CameraInfoMessage] = OrderedDict()
+        self._cameras: OrderedDict[int, StampedCamera] = OrderedDict()
         self._truths: OrderedDict[int, Skeletons] = OrderedDict()
-        self._last_camera: CameraInfoMessage | None = None
+        self._last_camera: StampedCamera | None = None
 
     def add_depth(self, stamp: int, item: Item) -> list[Assembled[Item]]:
         """Take a depth image."""
@@ -82,7 +82,7 @@ class Assembly(Generic[Item]):
             frame for pair in self.pairing.add_mask(stamp, item) for frame in self._add_pair(*pair)
         ]
 
-    def add_camera(self, info: CameraInfoMessage) -> list[Assembled[Item]]:
+    def add_camera(self, info: StampedCamera) -> list[Assembled[Item]]:
         """Take a camera info."""
         for frame in self._waiting:
             if frame.camera_settled or frame.stamp > info.stamp:

@@ -170,9 +170,12 @@ def test_a_damaged_message_is_left_out(tmp_path):
         ([depth_image(), mask_image(), info(k=[0] * 9)], 'K of the camera info is all zero'),
         (
             [depth_image(), mask_image(height=24, step=64), info()],
-            '/mask is for 64 x 24 pixels, but the depth images of /depth/image have 64 x 48',
+            'topic /mask: it is for 64 x 24 pixels, but the images of /depth/image have 64 x 48',
         ),
-        ([depth_image(), mask_image(), info(shape=(480, 640))], '/depth/camera_info is for 640 x'),
+        (
+            [depth_image(), mask_image(), info(shape=(480, 640))],
+            'topic /depth/camera_info: it is for 640 x',
+        ),
         ([depth_image(encoding='bgr8'), mask_image(), info()], "unknown encoding 'bgr8'"),
         ([depth_image(), mask_image(encoding='rgb8'), info()], "unknown encoding 'rgb8'"),
         ([depth_image(height=4000), mask_image(), info()], 'do not fill 64 x 4000'),

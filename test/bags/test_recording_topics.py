@@ -2,15 +2,10 @@
 
 import pytest
 
-from lsc_pose_ros.bags.storage.serialized_messages import (
-    CAMERA_INFO,
-    COMPRESSED_IMAGE,
-    IMAGE,
-    POINT_CLOUD,
-    TopicSummary,
-)
+from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
 from lsc_pose_ros.bags.topics import RecordedTopics, Topics, find_topics
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, POINT_CLOUD
 
 KINDS = {'i': IMAGE, 'z': COMPRESSED_IMAGE, 'c': CAMERA_INFO, 'p': POINT_CLOUD, 'o': 'std/msg/X'}
 

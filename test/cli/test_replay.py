@@ -23,16 +23,11 @@ from lsc_pose_ros.bags.serialization.serialize import (
     depth_message,
     mask_message,
 )
-from lsc_pose_ros.bags.storage.serialized_messages import (
-    CAMERA_INFO,
-    IMAGE,
-    MARKER_ARRAY,
-    POINT_CLOUD,
-)
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.messages.type_names import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.settings.table import TRACKED, TemporalSettings

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
 
+from lsc_pose_ros.bags.serialization.serialize import transforms_message
 from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons, no_skeletons
-from lsc_pose_ros.messages.transforms import skeleton_transforms, transforms_message
+from lsc_pose_ros.messages.transforms import skeleton_transforms
 
 NAMES = ['head', 'neck', 'l_hip', 'r_hip']
 CAMERA = 'camera_optical'

@@ -13,9 +13,10 @@ import rclpy
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
+from lsc_pose_ros.messages.stamps import nanoseconds
 from lsc_pose_ros.ros.health.stream_warnings import Situation, complaints
 from lsc_pose_ros.ros.health.throttled_log import Reports
-from lsc_pose_ros.ros.io.frame_messages import FrameMessages, nanoseconds
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages
 from lsc_pose_ros.ros.io.inputs import Inputs
 from lsc_pose_ros.settings.table import SETTINGS, NodeSettings
 

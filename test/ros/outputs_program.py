@@ -12,7 +12,6 @@ outputs_program.py OPTIONS, in JSON:
 import json
 import sys
 import time
-from types import SimpleNamespace
 
 import numpy as np
 import rclpy
@@ -26,6 +25,7 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
 from lsc_pose_ros.ros.health.stream_warnings import Counters
 from lsc_pose_ros.ros.io.outputs import Outputs
+from lsc_pose_ros.settings.table import NodeSettings
 
 FRAME_ID = 'camera_optical'
 EDGES = np.array([[1, 0], [1, 2]], np.int32)
@@ -67,8 +67,8 @@ def main() -> int:
     options = json.loads(sys.argv.pop(1))
     rclpy.init(args=sys.argv)
     node = Node('program')
-    defaults = {'publish_tf': False, 'minimum_confidence': 0.0, 'marker_lifetime': 0.5}
-    parameters = SimpleNamespace(**{name: options.get(name, defaults[name]) for name in defaults})
+    names = {'publish_tf', 'minimum_confidence', 'marker_lifetime'} & options.keys()
+    parameters = NodeSettings(**{name: options[name] for name in names})
     try:
         outputs = Outputs(node, parameters, EDGES)
     except InputError as error:

@@ -14,8 +14,9 @@ from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.messages.codecs.png import write_png
+from lsc_pose_ros.messages.parse import parse_image
 from lsc_pose_ros.ros.health.stream_warnings import TopicNames
-from lsc_pose_ros.ros.io.frame_messages import FrameMessages, _plain, frame_of
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
 
 TOPICS = TopicNames('/cam/depth', '/cam/info', '/seg/mask')
 HEIGHT, WIDTH = 12, 16
@@ -143,7 +144,7 @@ def test_without_a_mask_the_segmenter_finds_the_bodies() -> None:
 
 def test_pixels_are_not_copied_out_of_the_message() -> None:
     message = image(MILLIMETRES, '16UC1')
-    data = _plain(message).data
+    data = parse_image(message).data
     message.data[5] = 77
     assert data[5] == 77
 

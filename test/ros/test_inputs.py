@@ -24,8 +24,8 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.messages.codecs.png import write_png
+from lsc_pose_ros.messages.stamps import NANOSECONDS
 from lsc_pose_ros.ros.health.stream_warnings import Counters
-from lsc_pose_ros.ros.io.frame_messages import NANOSECONDS
 
 PROGRAM = Path(__file__).parent / 'inputs_program.py'
 RELIABLE = QoSProfile(depth=10)

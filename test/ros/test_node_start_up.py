@@ -42,6 +42,28 @@ sys.exit(main())
 """
 
 
+# Libraries that the node does not need with the transport raw.
+UNNEEDED = {'PIL', 'lz4', 'matplotlib', 'mcap', 'rosbags', 'sqlite3', 'yaml', 'zstandard'}
+
+LOADED = f"""
+import sys
+
+import rclpy.lifecycle
+
+loaded_by_rclpy = set(sys.modules)  # has yaml
+
+import lsc_pose_ros.ros.node.run
+
+print(*({UNNEEDED} & sys.modules.keys() - loaded_by_rclpy))
+"""
+
+
+def test_node_loads_no_bag_library(start_program: Callable[..., Program]) -> None:
+    program = start_program('-c', LOADED)
+    assert program.exit_status() == 0, program.output
+    assert program.output.strip() == ''
+
+
 def test_first_frame_is_answered_within_two_seconds(
     start_program: Callable[..., Program],
     camera: Camera,

@@ -30,6 +30,23 @@ TOPICS = {
 }
 
 
+# Stands in for tf2_msgs, which is not on PyPI. The publisher has the type PolygonStamped; the
+# messages are serialized as TFMessage, and the middleware does not look into serialized messages.
+TF_STAND_IN = """
+from geometry_msgs.msg import PolygonStamped, TransformStamped
+
+from lsc_pose_ros.bags.serialization.serialize import serialize
+from lsc_pose_ros.bags.serialization.type_store import message_class
+
+
+class TFMessage(PolygonStamped):
+    def __new__(cls, transforms):
+        assert all(isinstance(each, TransformStamped) for each in transforms)
+        name = 'tf2_msgs/msg/TFMessage'
+        return serialize(message_class(name)(transforms=transforms), name)
+"""
+
+
 class Received:
     """What a listener has received of one topic."""
 
@@ -117,11 +134,9 @@ def test_transforms_need_tf2_msgs(begin: Callable[..., Program], tmp_path: Path)
 
 
 def test_transforms(run: Run, tmp_path: Path) -> None:
-    # Serialised messages pass whatever the class of their topic is, so any other stands in.
-    stand_in = 'from geometry_msgs.msg import PolygonStamped as TFMessage\n'
     (tmp_path / 'tf2_msgs' / 'msg').mkdir(parents=True)
     (tmp_path / 'tf2_msgs' / '__init__.py').touch()
-    (tmp_path / 'tf2_msgs' / 'msg' / '__init__.py').write_text(stand_in)
+    (tmp_path / 'tf2_msgs' / 'msg' / '__init__.py').write_text(TF_STAND_IN)
     topics = {**TOPICS, '/tf': 'geometry_msgs/msg/PolygonStamped'}
     with run(
         topics,

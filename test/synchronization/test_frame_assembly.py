@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from lsc_pose_ros.bags.serialization.deserialize import CameraInfoMessage
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import no_skeletons
+from lsc_pose_ros.messages.parse import StampedCamera
 from lsc_pose_ros.synchronization.frame_assembly import Assembly
 
 TRUTH = no_skeletons(np.arange(3, dtype=np.uint16))
 
 
 def info(stamp, focal=100.0):
-    return CameraInfoMessage(stamp, 4, 5, Intrinsics(focal, focal, 2, 2))
+    return StampedCamera(stamp, 4, 5, Intrinsics(focal, focal, 2, 2))
 
 
 def focals(frames):

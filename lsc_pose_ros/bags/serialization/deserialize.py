@@ -1,150 +1,74 @@
-"""Serialised ROS messages to plain values: images, camera infos, labelled skeletons."""
+"""Deserializes recorded messages into arrays and plain values."""
 
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from lsc_pose_ros.bags.serialization.type_store import typestore
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
-from lsc_pose_ros.bags.storage.serialized_messages import (
-    CAMERA_INFO,
-    COMPRESSED_IMAGE,
-    IMAGE,
-    POINT_CLOUD,
-)
-from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, unpack
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.camera_info import image_camera
-from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
+from lsc_pose_ros.messages.parse import (
+    StampedCamera,
+    StampedCompressedImage,
+    StampedImage,
+    StampedSkeletons,
+    parse_camera_info,
+    parse_compressed_image,
+    parse_image,
+    parse_skeletons,
+)
+from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, POINT_CLOUD
 
-# sensor_msgs/PointField's numbers of the types.
-POINT_FIELD_TYPES = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
+Values = TypeVar('Values')
 
 
 class DamagedMessageError(InputError):
-    """A message's bytes are not what its type asks for."""
+    """The bytes of a message do not fit its type."""
 
 
-class ImageMessage(NamedTuple):
-    """A sensor_msgs/Image."""
-
-    stamp: int
-    frame_id: str
-    layout: ImageLayout
-    data: NDArray[np.uint8]
-
-
-class CompressedImageMessage(NamedTuple):
-    """A sensor_msgs/CompressedImage."""
-
-    stamp: int
-    frame_id: str
-    format: str
-    data: NDArray[np.uint8]
-
-
-class CameraInfoMessage(NamedTuple):
-    """A sensor_msgs/CameraInfo: the images' size in pixels, 0 if it is not given, and camera."""
-
-    stamp: int
-    height: int
-    width: int
-    camera: Intrinsics
-
-
-class SkeletonsMessage(NamedTuple):
-    """A sensor_msgs/PointCloud2 that carries skeletons."""
-
-    stamp: int
-    skeletons: Skeletons
-
-
-def read_image(data: bytes) -> ImageMessage:
-    """Return the sensor_msgs/Image that `data` serialises; its pixels are not copied.
+def read_image(data: bytes) -> StampedImage:
+    """Return the sensor_msgs/Image that `data` holds.
 
     Raises:
         DamagedMessageError: the bytes are no such message.
     """
-    message = _deserialise(data, IMAGE)
-    layout = ImageLayout(
-        message.encoding, message.height, message.width, message.step, bool(message.is_bigendian)
-    )
-    return ImageMessage(_stamp(message), message.header.frame_id, layout, message.data)
+    return _read(data, IMAGE, parse_image)
 
 
-def read_compressed_image(data: bytes) -> CompressedImageMessage:
-    """Return the sensor_msgs/CompressedImage that `data` serialises.
+def read_compressed_image(data: bytes) -> StampedCompressedImage:
+    """Return the sensor_msgs/CompressedImage that `data` holds.
 
     Raises:
         DamagedMessageError: the bytes are no such message.
     """
-    message = _deserialise(data, COMPRESSED_IMAGE)
-    return CompressedImageMessage(
-        _stamp(message), message.header.frame_id, message.format, message.data
-    )
+    return _read(data, COMPRESSED_IMAGE, parse_compressed_image)
 
 
-def read_camera_info(data: bytes) -> CameraInfoMessage:
-    """Return the sensor_msgs/CameraInfo that `data` serialises, for the images as they come.
+def read_camera_info(data: bytes) -> StampedCamera:
+    """Return the sensor_msgs/CameraInfo that `data` holds.
 
     Raises:
         DamagedMessageError: the bytes are no such message.
-        InputError: K is no pinhole camera's.
+        InputError: K is not the matrix of a pinhole camera.
     """
-    message = _deserialise(data, CAMERA_INFO)
-    return CameraInfoMessage(_stamp(message), *image_camera(message))
+    return _read(data, CAMERA_INFO, parse_camera_info)
 
 
-def read_skeletons(data: bytes) -> SkeletonsMessage:
-    """Return the skeletons in the sensor_msgs/PointCloud2 that `data` serialises.
+def read_skeletons(data: bytes) -> StampedSkeletons:
+    """Return the skeletons of the sensor_msgs/PointCloud2 that `data` holds.
 
     Raises:
         DamagedMessageError: the bytes are no such message.
         InputError: the cloud carries no skeletons.
     """
-    message = _deserialise(data, POINT_CLOUD)
-    fields = {field.name: field for field in message.fields}
-    missing = [name for name in POINT_DTYPE.names or () if name not in fields]
-    if missing:
-        msg = f'the point cloud carries no skeletons: it has no field {", ".join(missing)}'
-        raise InputError(msg)
+    return _read(data, POINT_CLOUD, parse_skeletons)
+
+
+def _read(data: bytes, type_name: str, parse: Callable[[Any], Values]) -> Values:
     try:
-        points = _points(message, fields)
-    except DAMAGE as error:
-        msg = f'the point cloud is damaged ({reason(error)})'
-        raise DamagedMessageError(msg) from error
-    return SkeletonsMessage(_stamp(message), unpack(points))
-
-
-def _points(message: Any, fields: dict[str, Any]) -> NDArray[np.void]:  # noqa: ANN401
-    """Return the cloud's points as POINT_DTYPE, shape (H, W), wherever its fields lie."""
-    order = '>' if message.is_bigendian else '<'
-    names = list(POINT_DTYPE.names or ())
-    point = np.dtype(
-        {
-            'names': names,
-            'formats': [f'{order}{POINT_FIELD_TYPES[fields[name].datatype]}' for name in names],
-            'offsets': [fields[name].offset for name in names],
-            'itemsize': message.point_step,
-        }
-    )
-    height, width = message.height, message.width
-    rows = message.data[: height * message.row_step].reshape(height, message.row_step)
-    used = np.ascontiguousarray(rows[:, : width * message.point_step])
-    return used.view(point).reshape(height, width).astype(POINT_DTYPE)
-
-
-def _deserialise(data: bytes, type_name: str) -> Any:  # noqa: ANN401
-    try:
-        # A view, so that an image's pixels are not copied on the way.
-        return typestore().deserialize_cdr(memoryview(data), type_name)
+        # A view, so that the pixels of an image are not copied.
+        return parse(typestore().deserialize_cdr(memoryview(data), type_name))
+    except InputError:
+        raise
     except DAMAGE as error:
         msg = f'the message is no readable {type_name} ({reason(error)})'
         raise DamagedMessageError(msg) from error
-
-
-def _stamp(message: Any) -> int:  # noqa: ANN401
-    stamp = message.header.stamp
-    return int(stamp.sec) * 1_000_000_000 + int(stamp.nanosec)

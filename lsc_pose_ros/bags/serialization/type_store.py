@@ -1,32 +1,38 @@
-"""The ROS message types we read and write: how they are laid out, defined and fingerprinted."""
+"""The message types of ROS 2 Jazzy as rosbags has them: classes, definitions and hashes."""
 
 from functools import cache
 from typing import Any
 
+import numpy as np
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.base import TypesysError
 from rosbags.typesys.store import Typestore
 
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.message_classes import MessageClasses
 
 
 @cache
 def typestore() -> Typestore:
-    """Return ROS 2 Jazzy's message types."""
+    """Return the message types of ROS 2 Jazzy."""
     return get_typestore(Stores.ROS2_JAZZY)
 
 
 def message_class(type_name: str) -> Any:  # noqa: ANN401
-    """Return the class of the messages of the type `type_name`; its fields are the message's."""
+    """Return the rosbags class of a message type, e.g. 'sensor_msgs/msg/Image'."""
     return typestore().types[type_name]
+
+
+ROSBAGS_CLASSES = MessageClasses(message_class, lambda data: np.frombuffer(data, np.uint8))
+"""The message classes of rosbags, for the functions of `messages.build`."""
 
 
 @cache
 def type_definition(type_name: str) -> str:
-    """Return a type's definition with those of all types it is made of, as rosbag2 stores it.
+    """Return the definition of a type and of all types it consists of, as rosbag2 stores it.
 
     Raises:
-        InputError: the type is not one of ROS 2 Jazzy's common messages.
+        InputError: the type is not one of the common messages of ROS 2 Jazzy.
     """
     try:
         return typestore().generate_msgdef(type_name, ros_version=2)[0]
@@ -40,5 +46,5 @@ def type_definition(type_name: str) -> str:
 
 @cache
 def type_hash(type_name: str) -> str:
-    """Return a type's hash by REP-2016, for example 'RIHS01_d31d...'."""
+    """Return the hash of a type by REP-2016, e.g. 'RIHS01_d31d...'."""
     return typestore().hash_rihs01(type_name)

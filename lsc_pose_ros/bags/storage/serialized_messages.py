@@ -3,12 +3,6 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
-IMAGE = 'sensor_msgs/msg/Image'
-COMPRESSED_IMAGE = 'sensor_msgs/msg/CompressedImage'
-CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'
-POINT_CLOUD = 'sensor_msgs/msg/PointCloud2'
-MARKER_ARRAY = 'visualization_msgs/msg/MarkerArray'
-
 
 class SerializedMessage(NamedTuple):
     """One message as it was recorded.

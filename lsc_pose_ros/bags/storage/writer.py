@@ -26,17 +26,12 @@ from lsc_pose_ros.bags.storage.metadata import (
     metadata_yaml,
     qos_text,
 )
-from lsc_pose_ros.bags.storage.serialized_messages import (
-    CAMERA_INFO,
-    IMAGE,
-    MARKER_ARRAY,
-    POINT_CLOUD,
-)
 from lsc_pose_ros.bags.topics import DEFAULT_TOPICS, Topics
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.markers import MarkerShape
+from lsc_pose_ros.messages.type_names import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
 
 _SUFFIX = '.mcap'
 _CHUNK_SIZE = 1 << 20

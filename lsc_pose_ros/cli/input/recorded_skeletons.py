@@ -5,9 +5,9 @@ from collections.abc import Collection
 from lsc_pose_ros.bags import RecordingReader, TopicSummary
 from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import DamagedMessageError, read_skeletons
-from lsc_pose_ros.bags.storage.serialized_messages import POINT_CLOUD
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.type_names import POINT_CLOUD
 
 
 def find_skeletons_topic(recording: RecordingReader, wanted: str, ground_truth: str) -> str:

@@ -1,4 +1,7 @@
-"""PNG bytes to pixels and back: one channel, 8 or 16 bits, nothing lost."""
+"""Reads and writes PNG images of one channel, 8 or 16 bits.
+
+Pillow is imported at the first image: only compressed transports need it.
+"""
 
 import io
 import struct
@@ -6,14 +9,13 @@ import zlib
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
 
 from lsc_pose_ros.errors import InputError
 
-# What Pillow calls an image of one channel: 1, 8 and 16 bits (older versions load 16 as 32).
+# Pillow's modes of images with one channel of 1, 8 or 16 bits; old versions load 16 as 32 bits.
 _MODES = ('1', 'L', 'I;16', 'I;16B', 'I')
 
-# Everything that Pillow lets through from a damaged file.
+# All exceptions that Pillow raises for a damaged file, with its own DecompressionBombError.
 _PILLOW_ERRORS = (
     OSError,
     SyntaxError,
@@ -25,7 +27,6 @@ _PILLOW_ERRORS = (
     OverflowError,
     struct.error,
     zlib.error,
-    Image.DecompressionBombError,
 )
 
 
@@ -33,13 +34,15 @@ def read_png(data: bytes | memoryview) -> NDArray[np.uint8] | NDArray[np.uint16]
     """Return the pixels of the PNG image `data`, shape (H, W), uint8 or uint16.
 
     Raises:
-        InputError: the bytes are no PNG image, or it has colours.
+        InputError: the bytes are no PNG image, or it has several channels.
     """
+    from PIL import Image  # noqa: PLC0415
+
     try:
         with Image.open(io.BytesIO(data), formats=('PNG',)) as image:
             image.load()
             mode, pixels = image.mode, np.asarray(image)
-    except _PILLOW_ERRORS as error:
+    except (*_PILLOW_ERRORS, Image.DecompressionBombError) as error:
         msg = f'the image is no readable PNG ({error})'
         raise InputError(msg) from error
     if mode not in _MODES:
@@ -52,6 +55,8 @@ def read_png(data: bytes | memoryview) -> NDArray[np.uint8] | NDArray[np.uint16]
 
 def write_png(pixels: NDArray[np.uint8] | NDArray[np.uint16]) -> bytes:
     """Return `pixels`, shape (H, W), as a PNG image; the inverse of `read_png`."""
+    from PIL import Image  # noqa: PLC0415
+
     stream = io.BytesIO()
     Image.fromarray(pixels).save(stream, 'PNG', compress_level=1)
     return stream.getvalue()

@@ -7,10 +7,10 @@ from typing import Any
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from lsc_pose_ros.messages.stamps import NANOSECONDS
 from lsc_pose_ros.ros.health.diagnostic_status import Condition, Stretch, condition
 from lsc_pose_ros.ros.health.measurements import Measuring
 from lsc_pose_ros.ros.health.stream_warnings import Counters
-from lsc_pose_ros.ros.io.frame_messages import NANOSECONDS
 
 TOPIC = '/diagnostics'
 PERIOD = 1.0

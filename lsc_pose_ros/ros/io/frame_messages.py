@@ -1,111 +1,64 @@
-"""Real ROS messages to what the method takes."""
+"""Converts the messages of one depth image into a frame."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import NamedTuple, TypeAlias
 
-import numpy as np
-from builtin_interfaces.msg import Time
-from numpy.typing import NDArray
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
-from lsc_pose_ros.bags.serialization.deserialize import CompressedImageMessage, ImageMessage
-from lsc_pose_ros.bags.serialization.image_messages import depth_of, labels_of
-from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.frame import NO_BODY, Frame
-from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.camera_info import image_camera
-from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
-from lsc_pose_ros.ros.health.stream_warnings import TopicNames
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.messages.frames import FrameTopics, error_names_topic, make_frame
+from lsc_pose_ros.messages.parse import (
+    StampedCompressedImage,
+    StampedImage,
+    parse_camera_info,
+    parse_compressed_image,
+    parse_image,
+)
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
 
-AnyImage: TypeAlias = Image | CompressedImage
-
-NANOSECONDS = 1_000_000_000
+ImageMessage: TypeAlias = Image | CompressedImage
 
 
 class FrameMessages(NamedTuple):
-    """The messages that make up a frame; no mask where bodies are found without."""
+    """The messages of one frame; `mask` is None if a segmenter finds the bodies."""
 
-    depth: AnyImage
-    mask: AnyImage | None
+    depth: ImageMessage
+    mask: ImageMessage | None
     camera_info: CameraInfo
 
 
-def nanoseconds(stamp: Time) -> int:
-    """Return `stamp` in nanoseconds."""
-    return int(stamp.sec) * NANOSECONDS + int(stamp.nanosec)
-
-
 def frame_of(
-    pair: FrameMessages,
-    topics: TopicNames,
+    messages: FrameMessages,
+    topics: FrameTopics,
     mask_background: int,
     segmenter: Segmenter | None = None,
 ) -> Frame:
-    """Return the frame that the messages of `pair` hold.
+    """Return the frame that `messages` hold.
 
     Args:
-        pair: the messages.
-        topics: where they came from.
-        mask_background: the mask's pixel value that shows no body.
-        segmenter: what finds the bodies where `pair` has no mask.
+        messages: the messages.
+        topics: the topics of the messages.
+        mask_background: the mask's pixel value for no body.
+        segmenter: finds the bodies if there is no mask; None for a frame without bodies.
 
     Raises:
-        InputError: a message cannot be used; the sentence names its topic.
+        InputError: a message cannot be used; the error names its topic.
     """
-    header = pair.depth.header
-    stamp = nanoseconds(header.stamp)
-    with _naming(topics.depth):
-        depth = depth_of(_plain(pair.depth))
-    labels = None
-    if pair.mask is not None:
-        with _naming(topics.mask):
-            labels = labels_of(_plain(pair.mask), mask_background)
-            _check_size(labels.shape, depth.shape, topics.depth)
-    with _naming(topics.camera_info):
-        height, width, camera = image_camera(pair.camera_info)
-        if height and width:
-            _check_size((height, width), depth.shape, topics.depth)
-    if labels is None:
-        labels = _labels_without_mask(segmenter, stamp, depth, camera)
-    return Frame(stamp, header.frame_id, depth, labels, camera, None)
-
-
-@contextmanager
-def _naming(topic: str) -> Iterator[None]:
-    """Let an InputError begin with the topic that it is about."""
-    try:
-        yield
-    except InputError as error:
-        msg = f'{topic}: {error}'
-        raise InputError(msg) from error
-
-
-def _labels_without_mask(
-    segmenter: Segmenter | None, stamp: int, depth: NDArray[np.float32], camera: Intrinsics
-) -> NDArray[np.int32]:
-    if segmenter is None:
-        return np.full(depth.shape, NO_BODY, np.int32)
-    return segment(segmenter, stamp, depth, camera)
-
-
-def _plain(image: AnyImage) -> ImageMessage | CompressedImageMessage:
-    """Return `image` as a recording would give it; the pixels are not copied."""
-    stamp, frame_id = nanoseconds(image.header.stamp), image.header.frame_id
-    data = np.frombuffer(image.data, np.uint8)
-    if isinstance(image, CompressedImage):
-        return CompressedImageMessage(stamp, frame_id, image.format, data)
-    layout = ImageLayout(
-        image.encoding, image.height, image.width, image.step, bool(image.is_bigendian)
+    with error_names_topic(topics.camera_info):
+        camera = parse_camera_info(messages.camera_info)
+    frame = make_frame(
+        _parse_any(messages.depth),
+        None if messages.mask is None else _parse_any(messages.mask),
+        camera,
+        topics=topics,
+        mask_background=mask_background,
     )
-    return ImageMessage(stamp, frame_id, layout, data)
+    if messages.mask is None and segmenter is not None:
+        labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
+        frame = frame._replace(labels=labels)
+    return frame
 
 
-def _check_size(size: tuple[int, ...], wanted: tuple[int, ...], depth_topic: str) -> None:
-    if size != wanted:
-        msg = (
-            f'it is for {size[1]} x {size[0]} pixels, but the images of {depth_topic} have '
-            f'{wanted[1]} x {wanted[0]}; publish it at the size of the depth image'
-        )
-        raise InputError(msg)
+def _parse_any(image: ImageMessage) -> StampedImage | StampedCompressedImage:
+    if isinstance(image, CompressedImage):
+        return parse_compressed_image(image)
+    return parse_image(image)

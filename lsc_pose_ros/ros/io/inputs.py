@@ -6,9 +6,10 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
+from lsc_pose_ros.messages.stamps import NANOSECONDS, nanoseconds
 from lsc_pose_ros.ros.health.stream_warnings import Counters, TopicNames
 from lsc_pose_ros.ros.health.throttled_log import Reports
-from lsc_pose_ros.ros.io.frame_messages import NANOSECONDS, AnyImage, FrameMessages, nanoseconds
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, ImageMessage
 from lsc_pose_ros.ros.io.subscription import IMAGE_QUEUE_DEPTH, Subscribed, Wanted
 from lsc_pose_ros.settings.table import MASK, NodeSettings
 from lsc_pose_ros.synchronization.synchronizer import Gathering, PairingSettings
@@ -45,7 +46,7 @@ class Inputs:
         """
         self._node = node
         with_masks = parameters.segmentation == MASK
-        self.gathering: Gathering[AnyImage, AnyImage, CameraInfo] = Gathering(
+        self.gathering: Gathering[ImageMessage, ImageMessage, CameraInfo] = Gathering(
             PairingSettings(
                 round(parameters.sync_slop * NANOSECONDS), parameters.sync_queue, with_masks
             ),
@@ -107,7 +108,7 @@ class Inputs:
     def _image(self, topic: str, parameter: str, transport: str) -> Wanted:
         take = self._take_depth if parameter == 'depth_transport' else self._take_mask
         if transport == 'raw':
-            kind: type[AnyImage] = Image
+            kind: type[ImageMessage] = Image
         else:
             kind = CompressedImage
             # As image_transport names it: the topic, remapped, and then the transport.
@@ -116,8 +117,8 @@ class Inputs:
             topic, kind, take, transport_parameter=parameter, queue_depth=IMAGE_QUEUE_DEPTH
         )
 
-    def _take_depth(self, image: AnyImage) -> None:
+    def _take_depth(self, image: ImageMessage) -> None:
         self.gathering.add_depth(nanoseconds(image.header.stamp), image)
 
-    def _take_mask(self, image: AnyImage) -> None:
+    def _take_mask(self, image: ImageMessage) -> None:
         self.gathering.add_mask(nanoseconds(image.header.stamp), image)

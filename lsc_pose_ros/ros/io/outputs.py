@@ -8,11 +8,12 @@ from rclpy.node import Node
 from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import MarkerArray
 
-from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.messages.build.markers import build_markers
+from lsc_pose_ros.messages.build.skeletons import build_skeletons
 from lsc_pose_ros.messages.markers import Drawing
-from lsc_pose_ros.messages.transforms import skeleton_transforms, transforms_message
-from lsc_pose_ros.ros.io.transforms import Transforms
+from lsc_pose_ros.ros.io.message_types import RCLPY_CLASSES
+from lsc_pose_ros.ros.io.transforms import TransformPublisher
 from lsc_pose_ros.settings.table import NodeSettings
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class Outputs:
         self.parameters = parameters
         self._node = node
         self._edges = edges
-        self._transforms = Transforms(node) if parameters.publish_tf else None
+        self._transforms = TransformPublisher(node) if parameters.publish_tf else None
         self._drawing = Drawing(edges)
         self._skeletons: Publisher | None = None
         self._markers: Publisher | None = None
@@ -67,14 +68,14 @@ class Outputs:
 
     def rehearse(self, skeletons: Skeletons) -> None:
         """Do all that `publish` does, but publish nothing: the first time takes far longer."""
-        skeletons_message(0, '', skeletons)
-        markers_message(0, '', Drawing(self._edges).shapes(skeletons, self.parameters))
-        transforms_message(0, skeleton_transforms(skeletons, ''))
+        build_skeletons(RCLPY_CLASSES, 0, '', skeletons)
+        shapes = Drawing(self._edges).shapes(skeletons, self.parameters)
+        build_markers(RCLPY_CLASSES, 0, '', shapes)
+        if self._transforms is not None:
+            self._transforms.rehearse(skeletons)
 
     def publish(self, stamp: int, frame_id: str, skeletons: Skeletons) -> None:
         """Publish the answer to one depth image; before `open` and after `close`, do nothing.
-
-        The messages are serialised as a recording's are, so both hold the same.
 
         Args:
             stamp: the depth image's, nanoseconds.
@@ -83,9 +84,9 @@ class Outputs:
         """
         if self._skeletons is None or self._markers is None:
             return
-        self._skeletons.publish(skeletons_message(stamp, frame_id, skeletons))
+        self._skeletons.publish(build_skeletons(RCLPY_CLASSES, stamp, frame_id, skeletons))
         shapes = self._drawing.shapes(skeletons, self.parameters)
-        self._markers.publish(markers_message(stamp, frame_id, shapes))
+        self._markers.publish(build_markers(RCLPY_CLASSES, stamp, frame_id, shapes))
         if self._transforms is not None:
             self._transforms.publish(
                 stamp, frame_id, skeletons, self.parameters.minimum_confidence

@@ -1,4 +1,7 @@
-"""The joints as TF frames; tf2_msgs is needed for that alone, so it is looked for only then."""
+"""Publishes the joints as TF frames.
+
+The package tf2_msgs is needed only for this, so it is imported only if publish_tf is set.
+"""
 
 from typing import TYPE_CHECKING
 
@@ -6,23 +9,25 @@ from rclpy.node import Node
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.transforms import TF_MESSAGE, skeleton_transforms, transforms_message
-from lsc_pose_ros.ros.io.message_types import message_class
+from lsc_pose_ros.messages.build.transforms import build_transforms
+from lsc_pose_ros.messages.transforms import skeleton_transforms
+from lsc_pose_ros.messages.type_names import TF_MESSAGE
+from lsc_pose_ros.ros.io.message_types import RCLPY_CLASSES, message_class
 
 if TYPE_CHECKING:
     from rclpy.publisher import Publisher
 
 TOPIC = '/tf'
 
-# What tf2_ros's own broadcaster has.
+# The queue depth of tf2_ros's broadcaster.
 _QUEUE_DEPTH = 100
 
 
-class Transforms:
-    """The publisher of /tf, from `open` to `close`."""
+class TransformPublisher:
+    """Publishes on /tf between `open` and `close`."""
 
     def __init__(self, node: Node) -> None:
-        """Prepare; nothing is advertised before `open`.
+        """Look for the message class; `open` creates the publisher.
 
         Args:
             node: the node that publishes.
@@ -31,36 +36,40 @@ class Transforms:
             InputError: tf2_msgs is not installed.
         """
         self._node = node
-        self._kind = message_class(TF_MESSAGE)
+        self._message_class = message_class(TF_MESSAGE)
         self._publisher: Publisher | None = None
-        if self._kind is None:
+        if self._message_class is None:
             msg = (
-                'parameter publish_tf: it needs the package tf2_msgs, which is not here; '
+                'parameter publish_tf: the package tf2_msgs is not installed; '
                 'install ros-jazzy-tf2-msgs, or leave publish_tf false'
             )
             raise InputError(msg)
 
     def open(self) -> None:
-        """Advertise."""
-        self._publisher = self._node.create_publisher(self._kind, TOPIC, _QUEUE_DEPTH)
+        """Create the publisher."""
+        self._publisher = self._node.create_publisher(self._message_class, TOPIC, _QUEUE_DEPTH)
 
     def close(self) -> None:
-        """Withdraw the publisher."""
+        """Destroy the publisher."""
         if self._publisher is not None:
             self._node.destroy_publisher(self._publisher)
         self._publisher = None
 
+    def rehearse(self, skeletons: Skeletons) -> None:
+        """Build a message without publishing it, because the first one takes much longer."""
+        build_transforms(RCLPY_CLASSES, 0, skeleton_transforms(skeletons, ''))
+
     def publish(
         self, stamp: int, frame_id: str, skeletons: Skeletons, minimum_confidence: float
     ) -> None:
-        """Publish where the joints of all bodies are; nothing where nobody is.
+        """Publish the frames of all joints; nothing if there is no body.
 
         Args:
             stamp: the depth image's, nanoseconds.
             frame_id: the depth image's.
             skeletons: the bodies.
-            minimum_confidence: joints below it are left out.
+            minimum_confidence: joints with less confidence are left out.
         """
         transforms = skeleton_transforms(skeletons, frame_id, minimum_confidence)
         if transforms and self._publisher is not None:
-            self._publisher.publish(transforms_message(stamp, transforms))
+            self._publisher.publish(build_transforms(RCLPY_CLASSES, stamp, transforms))

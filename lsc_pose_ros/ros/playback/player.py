@@ -14,7 +14,7 @@ from rosgraph_msgs.msg import Clock
 
 from lsc_pose_ros.bags import RecordingReader, SerializedMessage, TopicSummary
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.ros.io.frame_messages import NANOSECONDS
+from lsc_pose_ros.messages.stamps import NANOSECONDS
 from lsc_pose_ros.ros.io.message_types import message_class
 from lsc_pose_ros.ros.playback.pacing import Pacer
 

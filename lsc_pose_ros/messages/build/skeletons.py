@@ -1,0 +1,48 @@
+"""Builds the point cloud that carries skeletons."""
+
+from typing import Any
+
+import numpy as np
+
+from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, pack
+from lsc_pose_ros.messages.build.headers import build_header
+from lsc_pose_ros.messages.message_classes import MessageClasses
+from lsc_pose_ros.messages.parse import POINT_FIELD_TYPES
+from lsc_pose_ros.messages.type_names import POINT_CLOUD, POINT_FIELD
+
+_DATATYPES = {name: number for number, name in POINT_FIELD_TYPES.items()}
+
+
+def build_skeletons(
+    classes: MessageClasses, stamp: int, frame_id: str, skeletons: Skeletons
+) -> Any:  # noqa: ANN401
+    """Return an organised sensor_msgs/PointCloud2: height = bodies, width = joints.
+
+    Args:
+        classes: the message classes.
+        stamp: the depth image's, nanoseconds.
+        frame_id: the camera's optical frame.
+        skeletons: B bodies of J joints.
+    """
+    points = pack(skeletons)
+    bodies, joints = points.shape
+    return classes.find(POINT_CLOUD)(
+        header=build_header(classes, stamp, frame_id),
+        height=bodies,
+        width=joints,
+        fields=_build_fields(classes),
+        is_bigendian=False,
+        point_step=POINT_DTYPE.itemsize,
+        row_step=POINT_DTYPE.itemsize * joints,
+        data=classes.octets(points.tobytes()),
+        is_dense=bool(np.isfinite(skeletons.positions).all()),
+    )
+
+
+def _build_fields(classes: MessageClasses) -> list[Any]:
+    point_field = classes.find(POINT_FIELD)
+    fields: Any = POINT_DTYPE.fields
+    return [
+        point_field(name=name, offset=offset, datatype=_DATATYPES[kind.str[1:]], count=1)
+        for name, (kind, offset) in fields.items()
+    ]

@@ -1,0 +1,84 @@
+"""Combines a depth image, a mask and a camera into a frame, live and from recordings."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
+
+import numpy as np
+
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.image_pixels import AnyImage, depth_of, labels_of
+from lsc_pose_ros.messages.parse import StampedCamera
+
+
+class FrameTopics(Protocol):
+    """The topics of a frame's messages, for error messages."""
+
+    @property
+    def depth(self) -> str:
+        """The topic of the depth image."""
+
+    @property
+    def camera_info(self) -> str:
+        """The topic of the camera info."""
+
+    @property
+    def mask(self) -> str:
+        """The topic of the mask."""
+
+
+def make_frame(
+    depth: AnyImage,
+    mask: AnyImage | None,
+    camera: StampedCamera,
+    ground_truth: Skeletons | None = None,
+    *,
+    topics: FrameTopics,
+    mask_background: int = 0,
+) -> Frame:
+    """Return the frame that the messages hold; it has the stamp of the depth image.
+
+    Args:
+        depth: the depth image.
+        mask: the mask, None for a frame whose labels are all NO_BODY.
+        camera: the camera of the depth image.
+        ground_truth: the labelled skeletons, if any.
+        topics: the topics of the messages.
+        mask_background: the mask's pixel value for no body.
+
+    Raises:
+        InputError: a message cannot be used; the error names its topic.
+    """
+    with error_names_topic(topics.depth):
+        metres = depth_of(depth)
+    if mask is None:
+        labels = np.full(metres.shape, NO_BODY, np.int32)
+    else:
+        with error_names_topic(topics.mask):
+            labels = labels_of(mask, mask_background)
+            _check_size(labels.shape, metres.shape, topics.depth)
+    if camera.height and camera.width:
+        with error_names_topic(topics.camera_info):
+            _check_size((camera.height, camera.width), metres.shape, topics.depth)
+    return Frame(depth.stamp, depth.frame_id, metres, labels, camera.camera, ground_truth)
+
+
+@contextmanager
+def error_names_topic(topic: str) -> Iterator[None]:
+    """Prefix an InputError that is raised inside with `topic`."""
+    try:
+        yield
+    except InputError as error:
+        msg = f'{topic}: {error}'
+        raise InputError(msg) from error
+
+
+def _check_size(size: tuple[int, ...], depth_size: tuple[int, ...], depth_topic: str) -> None:
+    if size != depth_size:
+        msg = (
+            f'it is for {size[1]} x {size[0]} pixels, but the images of {depth_topic} have '
+            f'{depth_size[1]} x {depth_size[0]}; both must have the same size'
+        )
+        raise InputError(msg)

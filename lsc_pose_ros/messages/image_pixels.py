@@ -1,0 +1,54 @@
+"""Decodes images, compressed or not, into metres and body numbers."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.codecs.compressed_depth import decode_compressed_depth
+from lsc_pose_ros.messages.codecs.image_encodings import (
+    decode_depth,
+    decode_mask,
+    depth_to_metres,
+    label_pixels,
+)
+from lsc_pose_ros.messages.codecs.png import read_png
+from lsc_pose_ros.messages.parse import StampedCompressedImage, StampedImage
+
+AnyImage: TypeAlias = StampedImage | StampedCompressedImage
+
+
+def depth_of(image: AnyImage) -> NDArray[np.float32]:
+    """Return a depth image in metres, shape (H, W), 0 for pixels without depth.
+
+    Raises:
+        InputError: the encoding is unknown, or the data do not fill the image.
+    """
+    if isinstance(image, StampedImage):
+        return decode_depth(image.data, image.layout)
+    if 'compresseddepth' not in image.format.lower() and 'png' in image.format.lower():
+        pixels = read_png(image.data.data)  # 16UC1 by the transport `compressed`
+        if pixels.dtype != np.uint16:
+            msg = f'the PNG depth image ({image.format}) has 8 bits; depth needs 16'
+            raise InputError(msg)
+        return depth_to_metres(pixels)
+    return depth_to_metres(decode_compressed_depth(image.data.data, image.format))
+
+
+def labels_of(image: AnyImage, background: int) -> NDArray[np.int32]:
+    """Return the body that each pixel of a mask shows, shape (H, W), NO_BODY for none.
+
+    Args:
+        image: the mask.
+        background: the pixel value for no body.
+
+    Raises:
+        InputError: the encoding is unknown or lossy, or the data do not fill the image.
+    """
+    if isinstance(image, StampedImage):
+        return decode_mask(image.data, image.layout, background)
+    if 'png' not in image.format.lower():
+        msg = f'a mask compressed as {image.format!r} cannot be used; only PNG keeps the numbers'
+        raise InputError(msg)
+    return label_pixels(read_png(image.data.data), background)

@@ -1,0 +1,116 @@
+"""Reads the fields of ROS messages into arrays and plain values.
+
+The messages may be of any library: rclpy's in the node, rosbags' in recordings. Pixels are not
+copied.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, unpack
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.camera_info import image_camera
+from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
+from lsc_pose_ros.messages.stamps import nanoseconds
+
+# The numbers of the types in sensor_msgs/PointField.
+POINT_FIELD_TYPES = {1: 'i1', 2: 'u1', 3: 'i2', 4: 'u2', 5: 'i4', 6: 'u4', 7: 'f4', 8: 'f8'}
+
+
+class StampedImage(NamedTuple):
+    """A sensor_msgs/Image; `stamp` in nanoseconds, `data` of shape (bytes,)."""
+
+    stamp: int
+    frame_id: str
+    layout: ImageLayout
+    data: NDArray[np.uint8]
+
+
+class StampedCompressedImage(NamedTuple):
+    """A sensor_msgs/CompressedImage; `stamp` in nanoseconds, `data` of shape (bytes,)."""
+
+    stamp: int
+    frame_id: str
+    format: str
+    data: NDArray[np.uint8]
+
+
+class StampedCamera(NamedTuple):
+    """A sensor_msgs/CameraInfo: the size of the images in pixels, 0 if unknown, and the camera."""
+
+    stamp: int
+    height: int
+    width: int
+    camera: Intrinsics
+
+
+class StampedSkeletons(NamedTuple):
+    """A sensor_msgs/PointCloud2 that carries skeletons."""
+
+    stamp: int
+    skeletons: Skeletons
+
+
+def parse_image(message: Any) -> StampedImage:  # noqa: ANN401
+    """Return the values of a sensor_msgs/Image."""
+    layout = ImageLayout(
+        message.encoding, message.height, message.width, message.step, bool(message.is_bigendian)
+    )
+    return StampedImage(*_parse_header(message), layout, np.frombuffer(message.data, np.uint8))
+
+
+def parse_compressed_image(message: Any) -> StampedCompressedImage:  # noqa: ANN401
+    """Return the values of a sensor_msgs/CompressedImage."""
+    data = np.frombuffer(message.data, np.uint8)
+    return StampedCompressedImage(*_parse_header(message), message.format, data)
+
+
+def parse_camera_info(message: Any) -> StampedCamera:  # noqa: ANN401
+    """Return the values of a sensor_msgs/CameraInfo.
+
+    Raises:
+        InputError: K is not the matrix of a pinhole camera.
+    """
+    return StampedCamera(nanoseconds(message.header.stamp), *image_camera(message))
+
+
+def parse_skeletons(message: Any) -> StampedSkeletons:  # noqa: ANN401
+    """Return the skeletons of a sensor_msgs/PointCloud2.
+
+    Raises:
+        InputError: the cloud carries no skeletons.
+        Exception: the message contradicts itself; the type depends on the contradiction.
+    """
+    fields = {field.name: field for field in message.fields}
+    missing = [name for name in POINT_DTYPE.names or () if name not in fields]
+    if missing:
+        msg = f'the point cloud carries no skeletons: it has no field {", ".join(missing)}'
+        raise InputError(msg)
+    points = _parse_points(message, fields)
+    return StampedSkeletons(nanoseconds(message.header.stamp), unpack(points))
+
+
+def _parse_header(message: Any) -> tuple[int, str]:  # noqa: ANN401
+    return nanoseconds(message.header.stamp), message.header.frame_id
+
+
+def _parse_points(message: Any, fields: dict[str, Any]) -> NDArray[np.void]:  # noqa: ANN401
+    """Return the cloud's points as POINT_DTYPE, shape (H, W), whatever the fields' offsets."""
+    order = '>' if message.is_bigendian else '<'
+    names = list(POINT_DTYPE.names or ())
+    point = np.dtype(
+        {
+            'names': names,
+            'formats': [f'{order}{POINT_FIELD_TYPES[fields[name].datatype]}' for name in names],
+            'offsets': [fields[name].offset for name in names],
+            'itemsize': message.point_step,
+        }
+    )
+    height, width = message.height, message.width
+    data = np.frombuffer(message.data, np.uint8)
+    rows = data[: height * message.row_step].reshape(height, message.row_step)
+    used = np.ascontiguousarray(rows[:, : width * message.point_step])
+    return used.view(point).reshape(height, width).astype(POINT_DTYPE)

@@ -1,0 +1,26 @@
+"""The names of the ROS message types that this package reads and writes."""
+
+TIME = 'builtin_interfaces/msg/Time'
+DURATION = 'builtin_interfaces/msg/Duration'
+HEADER = 'std_msgs/msg/Header'
+COLOR_RGBA = 'std_msgs/msg/ColorRGBA'
+
+POINT = 'geometry_msgs/msg/Point'
+VECTOR3 = 'geometry_msgs/msg/Vector3'
+QUATERNION = 'geometry_msgs/msg/Quaternion'
+POSE = 'geometry_msgs/msg/Pose'
+TRANSFORM = 'geometry_msgs/msg/Transform'
+TRANSFORM_STAMPED = 'geometry_msgs/msg/TransformStamped'
+
+IMAGE = 'sensor_msgs/msg/Image'
+COMPRESSED_IMAGE = 'sensor_msgs/msg/CompressedImage'
+CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'
+REGION_OF_INTEREST = 'sensor_msgs/msg/RegionOfInterest'
+POINT_CLOUD = 'sensor_msgs/msg/PointCloud2'
+POINT_FIELD = 'sensor_msgs/msg/PointField'
+
+MARKER = 'visualization_msgs/msg/Marker'
+MARKER_ARRAY = 'visualization_msgs/msg/MarkerArray'
+MESH_FILE = 'visualization_msgs/msg/MeshFile'
+
+TF_MESSAGE = 'tf2_msgs/msg/TFMessage'
