@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.bags import open_frames
+from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli.output.bench_results import bench_results
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.evaluation.benchmark import WHOLE, summarise_times, time_frames, warm_up
@@ -117,7 +117,7 @@ def _read_frames(recording: Path | None) -> list[EncodedFrame]:
     if recording is None:
         frames = synthetic_frames(SyntheticSettings(frames=_FRAMES, seed=2, clip_length=2))
         return [encode_frame(frame) for frame in frames]
-    frames = list(open_frames(recording))
+    frames = list(open_recording(recording))
     return [encode_frame(frame) for frame in frames[:: max(1, len(frames) // _FRAMES)]]
 
 
