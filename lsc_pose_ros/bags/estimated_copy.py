@@ -7,7 +7,7 @@ from lsc_pose_ros.bags import FrameReader, RecordingWriter, SerializedMessage, r
 from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import Sequence
-from lsc_pose_ros.messages.markers import Drawing
+from lsc_pose_ros.messages.markers import MarkerUpdater
 from lsc_pose_ros.messages.type_names import MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
 from lsc_pose_ros.settings.table import DrawingSettings
@@ -42,14 +42,14 @@ def write_estimated_copy(
         each answer, when it is written.
     """
     original = _Original(frames, writer)
-    drawing = Drawing(sequence.estimator.model.edges)
+    marker_updater = MarkerUpdater(sequence.estimator.model.edges)
     for frame in frames:
         log_time = original.copy_up_to(frame.stamp)
         labels = frame.labels
         if segmenter is not None:
             labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
         skeletons = sequence.answer(frame.stamp, frame.depth, labels, frame.camera)
-        shapes = drawing.shapes(skeletons, drawing_settings)
+        shapes = marker_updater.update(skeletons, drawing_settings)
         head = (frame.stamp, frame.frame_id)
         writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))
         writer.write(MARKERS_TOPIC, MARKER_ARRAY, log_time, markers_message(*head, shapes))

@@ -1,4 +1,4 @@
-"""Skeletons as shapes to draw, the same for the live node and for a recording."""
+"""The shapes that draw skeletons in RViz, live and in recordings."""
 
 from collections.abc import Collection
 from typing import Literal, NamedTuple
@@ -14,10 +14,10 @@ NAMESPACE_BONES = 'bones'
 JOINT_DIAMETER = 0.06
 BONE_WIDTH = 0.02
 
-# A joint of no confidence still shows faintly; invisible it would look like a missing one.
+# The opacity of a joint with confidence 0: it must not look like a missing joint.
 _LEAST_ALPHA = 0.25
 
-# Colours that the colour-blind can tell apart (Okabe and Ito), and a grey.
+# The palette of Okabe and Ito, which colour-blind people can distinguish, and grey.
 _COLOURS = np.array(
     [
         (0.00, 0.45, 0.70),
@@ -34,17 +34,17 @@ _COLOURS = np.array(
 
 
 class MarkerShape(NamedTuple):
-    """One visualization_msgs/Marker, in no message's terms.
+    """The values of one visualization_msgs/Marker.
 
     Attributes:
-        namespace: with `identifier`, what names the marker.
+        namespace: identifies the marker together with `identifier`.
         identifier: the body's number.
-        kind: 'spheres', one at each point, or 'lines', one between each two points.
-        action: 'add' draws or replaces, 'delete' removes.
+        kind: 'spheres' at the points, or 'lines' between pairs of successive points.
+        action: 'add' draws or replaces the marker, 'delete' removes it.
         points: metres in the camera's optical frame, shape (n, 3).
         colours: red, green, blue, alpha of each point, 0 to 1, shape (n, 4).
         size: the spheres' diameter or the lines' width in metres.
-        lifetime_ns: how long it stays when nothing replaces it, in nanoseconds.
+        lifetime_ns: how long it is shown if nothing replaces it, in nanoseconds.
     """
 
     namespace: str
@@ -57,11 +57,11 @@ class MarkerShape(NamedTuple):
     lifetime_ns: int
 
 
-class Drawing:
-    """The shapes of one frame after the other; those of a body that left are deleted."""
+class MarkerUpdater:
+    """Computes the shapes of successive frames, which delete the bodies that have left."""
 
     def __init__(self, edges: NDArray[np.int32]) -> None:
-        """Begin with nothing drawn.
+        """Start with nothing drawn.
 
         Args:
             edges: the bones, pairs of indices into the joints, shape (E, 2).
@@ -69,8 +69,8 @@ class Drawing:
         self._edges = edges
         self._drawn: frozenset[int] = frozenset()
 
-    def shapes(self, skeletons: Skeletons, settings: DrawingSettings) -> list[MarkerShape]:
-        """Return what turns the last frame's picture into that of `skeletons`."""
+    def update(self, skeletons: Skeletons, settings: DrawingSettings) -> list[MarkerShape]:
+        """Return the shapes that replace those of the last frame by those of `skeletons`."""
         bodies = frozenset(skeletons.bodies.tolist())
         shapes = skeleton_markers(
             skeletons,
@@ -89,13 +89,13 @@ def skeleton_markers(
     minimum_confidence: float = 0.0,
     gone: Collection[int] = frozenset(),
 ) -> list[MarkerShape]:
-    """Return the shapes that draw `skeletons`: for each body its joints and its bones.
+    """Return the shapes that draw `skeletons`: the joints and the bones of each body.
 
     Args:
         skeletons: B bodies of J joints.
         edges: pairs of indices into the joints, shape (E, 2).
-        minimum_confidence: joints below it are left out.
-        gone: numbers of the bodies that were drawn before and are to be removed.
+        minimum_confidence: joints with less confidence are left out.
+        gone: numbers of the bodies to delete.
     """
     shapes = [shape for body in sorted(gone) for shape in _deleted(int(body))]
     for row, body in enumerate(skeletons.bodies):
@@ -109,7 +109,7 @@ def skeleton_markers(
 
 
 def _colours(body: int, confidence: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return a colour a joint, shape (J, 4): the body's, the fainter the less sure."""
+    """Return a colour for each joint, shape (J, 4); less confident joints are fainter."""
     colours = np.empty((len(confidence), 4), np.float32)
     colours[:, :3] = _COLOURS[body % len(_COLOURS)]
     colours[:, 3] = _LEAST_ALPHA + (1 - _LEAST_ALPHA) * np.clip(np.nan_to_num(confidence), 0, 1)
@@ -127,7 +127,7 @@ def _added(
         namespace=NAMESPACE_JOINTS if spheres else NAMESPACE_BONES,
         identifier=body,
         kind=kind,
-        # RViz complains of a list without points, and an old shape must not stay in its place.
+        # RViz rejects a list without points, and an old shape must not stay.
         action='add' if len(points) else 'delete',
         points=points,
         colours=colours,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.messages.markers import Drawing, skeleton_markers
+from lsc_pose_ros.messages.markers import MarkerUpdater, skeleton_markers
 from lsc_pose_ros.settings.table import DrawingSettings
 
 EDGES = np.array([[0, 1], [1, 2]], np.int32)
@@ -74,9 +74,9 @@ def of_bodies(skeletons, *rows):
 
 
 def test_a_drawing_deletes_each_body_that_left_once(skeletons):
-    drawing = Drawing(EDGES)
+    marker_updater = MarkerUpdater(EDGES)
     told = [
-        {(s.identifier, s.action) for s in drawing.shapes(each, DrawingSettings())}
+        {(s.identifier, s.action) for s in marker_updater.update(each, DrawingSettings())}
         for each in (
             skeletons,
             of_bodies(skeletons, 1),
@@ -91,6 +91,6 @@ def test_a_drawing_deletes_each_body_that_left_once(skeletons):
 
 def test_a_drawings_style(skeletons):
     style = DrawingSettings(minimum_confidence=0.4, marker_lifetime=1.5)
-    shapes = Drawing(EDGES).shapes(skeletons, style)
+    shapes = MarkerUpdater(EDGES).update(skeletons, style)
     assert [len(s.points) for s in shapes] == [2, 2, 2, 2]
     assert {s.lifetime_ns for s in shapes} == {1_500_000_000}

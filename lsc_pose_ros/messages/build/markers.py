@@ -1,6 +1,7 @@
 """Builds the markers that draw skeletons in RViz."""
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -37,43 +38,49 @@ def build_markers(
         frame_id: the camera's optical frame.
         shapes: the shapes to draw or delete.
     """
-    # The fields that all markers share are built once.
+    header = build_header(classes, stamp, frame_id)
+    markers = [_build_marker(classes, shape, header) for shape in shapes]
+    return classes.find(MARKER_ARRAY)(markers=markers)
+
+
+@cache
+def _constant_fields(classes: MessageClasses) -> dict[str, Any]:
+    """Return the fields that all markers have in common."""
     find = classes.find
-    shared = {
-        'header': build_header(classes, stamp, frame_id),
+    return {
         'pose': find(POSE)(
             position=find(POINT)(x=0.0, y=0.0, z=0.0),
             orientation=find(QUATERNION)(x=0.0, y=0.0, z=0.0, w=1.0),
         ),
         'color': find(COLOR_RGBA)(r=1.0, g=1.0, b=1.0, a=1.0),
+        'frame_locked': False,
+        'texture_resource': '',
         'texture': find(COMPRESSED_IMAGE)(
             header=build_header(classes, 0, ''), format='', data=classes.octets(b'')
         ),
+        'uv_coordinates': [],
+        'text': '',
+        'mesh_resource': '',
         'mesh_file': find(MESH_FILE)(filename='', data=classes.octets(b'')),
+        'mesh_use_embedded_materials': False,
     }
-    return find(MARKER_ARRAY)(markers=[_build_marker(classes, shape, shared) for shape in shapes])
 
 
-def _build_marker(classes: MessageClasses, shape: MarkerShape, shared: dict[str, Any]) -> Any:  # noqa: ANN401
+def _build_marker(classes: MessageClasses, shape: MarkerShape, header: Any) -> Any:  # noqa: ANN401
     point, color = classes.find(POINT), classes.find(COLOR_RGBA)
     # RViz uses only x of a line list's scale, but warns if y or z is 0.
     scale = classes.find(VECTOR3)(x=shape.size, y=shape.size, z=shape.size)
     return classes.find(MARKER)(
+        header=header,
         ns=shape.namespace,
         id=shape.identifier,
         type=_TYPES[shape.kind],
         action=_ACTIONS[shape.action],
         scale=scale,
         lifetime=build_duration(classes, shape.lifetime_ns),
-        frame_locked=False,
         points=_build_rows(lambda x, y, z: point(x=x, y=y, z=z), shape.points),
         colors=_build_rows(lambda r, g, b, a: color(r=r, g=g, b=b, a=a), shape.colours),
-        texture_resource='',
-        uv_coordinates=[],
-        text='',
-        mesh_resource='',
-        mesh_use_embedded_materials=False,
-        **shared,
+        **_constant_fields(classes),
     )
 
 

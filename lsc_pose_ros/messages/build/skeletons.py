@@ -1,5 +1,6 @@
 """Builds the point cloud that carries skeletons."""
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -39,6 +40,7 @@ def build_skeletons(
     )
 
 
+@cache
 def _build_fields(classes: MessageClasses) -> list[Any]:
     point_field = classes.find(POINT_FIELD)
     fields: Any = POINT_DTYPE.fields

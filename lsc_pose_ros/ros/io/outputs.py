@@ -1,4 +1,4 @@
-"""What the node publishes: the skeletons, markers that draw them, and frames of the joints."""
+"""Publishes the skeletons, markers that draw them, and the TF frames of the joints."""
 
 from typing import TYPE_CHECKING
 
@@ -11,7 +11,7 @@ from visualization_msgs.msg import MarkerArray
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.messages.build.markers import build_markers
 from lsc_pose_ros.messages.build.skeletons import build_skeletons
-from lsc_pose_ros.messages.markers import Drawing
+from lsc_pose_ros.messages.markers import MarkerUpdater
 from lsc_pose_ros.ros.io.message_types import RCLPY_CLASSES
 from lsc_pose_ros.ros.io.transforms import TransformPublisher
 from lsc_pose_ros.settings.table import NodeSettings
@@ -19,19 +19,19 @@ from lsc_pose_ros.settings.table import NodeSettings
 if TYPE_CHECKING:
     from rclpy.publisher import Publisher
 
-# Reliable, so that a subscriber of either kind gets them; they are small.
+# Reliable, which suits reliable and best-effort subscribers; the messages are small.
 _QUEUE_DEPTH = 10
 
 
 class Outputs:
-    """The publishers, from `open` to `close`; `publish` from one thread at a time.
+    """The publishers between `open` and `close`; one thread at a time may call `publish`.
 
     Attributes:
-        parameters: the node's; may be replaced at any time, from any thread.
+        parameters: the node's; any thread may replace them at any time.
     """
 
     def __init__(self, node: Node, parameters: NodeSettings, edges: NDArray[np.int32]) -> None:
-        """Prepare; nothing is advertised before `open`.
+        """Prepare the publishers; `open` creates them.
 
         Args:
             node: the node that publishes.
@@ -39,26 +39,26 @@ class Outputs:
             edges: the bones to draw, pairs of indices into the model's joints, shape (E, 2).
 
         Raises:
-            InputError: publish_tf is set, but tf2_msgs is not installed.
+            InputError: publish_tf is true, but tf2_msgs is not installed.
         """
         self.parameters = parameters
         self._node = node
         self._edges = edges
         self._transforms = TransformPublisher(node) if parameters.publish_tf else None
-        self._drawing = Drawing(edges)
+        self._marker_updater = MarkerUpdater(edges)
         self._skeletons: Publisher | None = None
         self._markers: Publisher | None = None
 
     def open(self) -> None:
-        """Advertise."""
-        self._drawing = Drawing(self._edges)
+        """Create the publishers."""
+        self._marker_updater = MarkerUpdater(self._edges)
         self._skeletons = self._node.create_publisher(PointCloud2, '~/skeletons', _QUEUE_DEPTH)
         self._markers = self._node.create_publisher(MarkerArray, '~/joint_markers', _QUEUE_DEPTH)
         if self._transforms is not None:
             self._transforms.open()
 
     def close(self) -> None:
-        """Withdraw the publishers; no answer may be on its way any more."""
+        """Destroy the publishers; `publish` must not be running."""
         for publisher in (self._skeletons, self._markers):
             if publisher is not None:
                 self._node.destroy_publisher(publisher)
@@ -67,27 +67,36 @@ class Outputs:
             self._transforms.close()
 
     def rehearse(self, skeletons: Skeletons) -> None:
-        """Do all that `publish` does, but publish nothing: the first time takes far longer."""
+        """Build all messages without publishing them, because the first ones take much longer."""
         build_skeletons(RCLPY_CLASSES, 0, '', skeletons)
-        shapes = Drawing(self._edges).shapes(skeletons, self.parameters)
+        shapes = MarkerUpdater(self._edges).update(skeletons, self.parameters)
         build_markers(RCLPY_CLASSES, 0, '', shapes)
         if self._transforms is not None:
             self._transforms.rehearse(skeletons)
 
     def publish(self, stamp: int, frame_id: str, skeletons: Skeletons) -> None:
-        """Publish the answer to one depth image; before `open` and after `close`, do nothing.
+        """Publish the estimate of one depth image; do nothing before `open` and after `close`.
 
         Args:
             stamp: the depth image's, nanoseconds.
             frame_id: the depth image's.
-            skeletons: the answer.
+            skeletons: the estimate.
         """
         if self._skeletons is None or self._markers is None:
             return
         self._skeletons.publish(build_skeletons(RCLPY_CLASSES, stamp, frame_id, skeletons))
-        shapes = self._drawing.shapes(skeletons, self.parameters)
-        self._markers.publish(build_markers(RCLPY_CLASSES, stamp, frame_id, shapes))
+        self._publish_markers(self._markers, stamp, frame_id, skeletons)
         if self._transforms is not None:
             self._transforms.publish(
                 stamp, frame_id, skeletons, self.parameters.minimum_confidence
             )
+
+    def _publish_markers(
+        self, publisher: 'Publisher', stamp: int, frame_id: str, skeletons: Skeletons
+    ) -> None:
+        """Publish markers if there is a subscriber: they cost more than all other messages."""
+        if not publisher.get_subscription_count():
+            self._marker_updater = MarkerUpdater(self._edges)  # nothing is drawn anywhere
+            return
+        shapes = self._marker_updater.update(skeletons, self.parameters)
+        publisher.publish(build_markers(RCLPY_CLASSES, stamp, frame_id, shapes))
