@@ -2,6 +2,7 @@
 
 import argparse
 import importlib
+import importlib.util
 import os
 import sys
 import traceback
@@ -24,6 +25,8 @@ _EPILOG = f"""\
 '{PROGRAM} COMMAND --help' explains a command. The status is 0, or 2 for input that cannot be
 used, or 1 for any other failure; {DEBUG_VARIABLE}=1 shows the traceback of those.
 """
+
+_INSTALL_EXPERIMENTS = 'pip install -e ./experiments'
 
 
 class Command(NamedTuple):
@@ -114,7 +117,7 @@ def _run(words: list[str]) -> int:
     module: CommandModule | None = None
     for listed, command in COMMANDS.items():
         # Adding the arguments of a command imports its module, so only the called command does.
-        subparser = subparsers.add_parser(listed, help=command.help)
+        subparser = subparsers.add_parser(listed, help=_help_line(command))
         if listed == name:
             module = load(command)
             subparser.description = module.HELP
@@ -123,6 +126,13 @@ def _run(words: list[str]) -> int:
     if module is None:  # parse_args has refused all other words already
         parser.error('name a command')
     return module.run(arguments)
+
+
+def _help_line(command: Command) -> str:
+    package = _package_of(command)
+    if importlib.util.find_spec(package):
+        return command.help
+    return f'{command.help} ({package} is not installed: {_INSTALL_EXPERIMENTS})'
 
 
 def load(command: Command) -> CommandModule:
@@ -134,14 +144,18 @@ def load(command: Command) -> CommandModule:
     try:
         return cast('CommandModule', importlib.import_module(command.module))
     except ModuleNotFoundError as error:
-        package = command.module.partition('.')[0]
+        package = _package_of(command)
         if error.name != package:
             raise
         msg = (
             f'the package {package} of this command is not installed; '
-            'run `pip install ./experiments` in a clone of the repository'
+            f'run `{_INSTALL_EXPERIMENTS}` in a clone of the repository'
         )
         raise InputError(msg) from error
+
+
+def _package_of(command: Command) -> str:
+    return command.module.partition('.')[0]
 
 
 def _complain(message: str) -> None:

@@ -102,7 +102,27 @@ def test_command_of_a_missing_package_says_how_to_install_it(
     missing = cli.Command('package_that_is_missing.command', 'does nothing')
     monkeypatch.setattr(cli, 'COMMANDS', {'missing': missing})
     assert cli.main(['missing']) == cli.BAD_INPUT
-    assert 'package_that_is_missing of this command is not installed' in capsys.readouterr().err
+    complaint = capsys.readouterr().err
+    assert complaint.count('\n') == 1
+    assert 'package_that_is_missing of this command is not installed' in complaint
+    assert '`pip install -e ./experiments`' in complaint
+
+
+def test_help_lists_a_missing_package_and_how_to_install_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    missing = cli.Command('package_that_is_missing.command', 'does nothing')
+    installed = cli.Command('lsc_pose_ros.cli.commands.info_command', 'prints')
+    monkeypatch.setattr(cli, 'COMMANDS', {'missing': missing, 'info': installed})
+    with pytest.raises(SystemExit, match='0'):
+        cli.main(['--help'])
+    lines = ' '.join(capsys.readouterr().out.split())
+    assert (
+        'missing does nothing (package_that_is_missing is not installed: '
+        'pip install -e ./experiments)' in lines
+    )
+    assert 'info prints' in lines
+    assert lines.count('not installed') == 1
 
 
 def test_failing_import_in_a_command_is_no_missing_package(
