@@ -57,7 +57,9 @@ _ALL_ROUND = SyntheticSettings(
 )
 _FRONT = _ALL_ROUND._replace(yaw=60.0)
 
-_MANY_FRONT = Part('kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_share=0.65))
+_MANY_FRONT = Part(
+    'kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_fraction=0.65)
+)
 
 # Each sensor, people from all sides.
 _ALL_VIEWS = (

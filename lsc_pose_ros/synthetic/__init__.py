@@ -1,1 +1,1 @@
-"""Synthetic people before a depth camera, with exact masks and joints."""
+"""Synthetic people in front of a depth camera, with exact masks and joint positions."""

@@ -1,4 +1,4 @@
-"""Synthetic frames: people before a depth camera, with exact masks and joints."""
+"""Generates synthetic frames: people in front of a depth camera, with exact masks and joints."""
 
 from collections.abc import Iterator
 from typing import NamedTuple
@@ -9,12 +9,16 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.synthetic.people import Cast, Person
-from lsc_pose_ros.synthetic.scene.image import Image
-from lsc_pose_ros.synthetic.scene.mesh_render import Mesh, render_meshes
-from lsc_pose_ros.synthetic.scene.placement import Stage, View, set_stage
-from lsc_pose_ros.synthetic.scene.room import Scene, add_scene, draw_scene
-from lsc_pose_ros.synthetic.sensors.sensors import sense
+from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.scene.mesh_render import RenderMesh, render_meshes
+from lsc_pose_ros.synthetic.scene.placement import (
+    CameraConstraints,
+    ScenePlacement,
+    sample_placement,
+)
+from lsc_pose_ros.synthetic.scene.room import Room, render_room, sample_room
+from lsc_pose_ros.synthetic.sensors.sensors import apply_sensor
 from lsc_pose_ros.synthetic.settings import (
     SyntheticSettings,
     camera_of,
@@ -27,74 +31,139 @@ __all__ = ['FRAME_ID', 'SyntheticSettings', 'camera_of', 'synthetic_frames']
 
 FRAME_ID = 'camera_depth_optical_frame'
 
-# Recordings start here (2023-11-14), so that the same seed gives the same file.
+# Recordings start at this time (2023-11-14), so that the same seed gives the same file.
 _EPOCH = 1_700_000_000_000_000_000
 
 _STILL_RATE = 30.0
-"""Stamps of frames that have nothing to do with each other are so many a second."""
+"""Rate of the stamps if the frames are independent of each other, Hz."""
 
-_REDRAWN = 10  # times that people who find no place do something else instead
+_PLACEMENT_TRIES = 10
+"""How many motions are sampled before a placement counts as impossible."""
 
 
 def synthetic_frames(settings: SyntheticSettings) -> Iterator[Frame]:
-    """Generate frames with exact joints, all 20, hidden ones too; the same for the same settings.
+    """Generate frames with the exact positions of all 20 joints, hidden ones included.
 
-    The first frames do not depend on how many follow.
+    The same settings give the same frames. The first frames do not depend on `settings.frames`.
 
     Args:
         settings: what to generate.
 
     Returns:
-        The frames; depth is in whole millimetres, people are numbered from 1.
+        The frames. Depth is in whole millimetres; people are numbered from 1.
 
     Raises:
-        InputError: the settings contradict themselves.
+        InputError: the settings contradict each other.
     """
     check(settings)
-    return _frames(_Studio(settings))
+    return _frames(_ClipGenerator(settings))
 
 
-class _Studio:
-    """What serves all clips."""
+class _SceneState(NamedTuple):
+    """People, camera and room in one or more successive frames."""
+
+    people: list[SyntheticPerson]
+    placement: ScenePlacement
+    room: Room | None
+
+
+class _Generators(NamedTuple):
+    """Independent random generators: whether there is a room does not change the people."""
+
+    people: np.random.Generator
+    sensor: np.random.Generator
+    room: np.random.Generator
+
+
+class _ClipGenerator:
+    """Generates the frames of each clip from the seed and the clip's number."""
 
     def __init__(self, settings: SyntheticSettings) -> None:
         self.settings = settings
-        self.sensor = sensor_of(settings)
-        self.camera = camera_of(settings)
-        self.cast = Cast(settings)
+        self.length = clip_length_of(settings)
+        self._sensor = sensor_of(settings)
+        self._camera = camera_of(settings)
+        self._sampler = PersonSampler(settings)
         up, down = np.radians(settings.camera_tilt)
-        self.view = View(
-            self.camera,
-            self.sensor.width,
-            self.sensor.height,
+        self._constraints = CameraConstraints(
+            self._camera,
+            self._sensor.width,
+            self._sensor.height,
             settings.distance,
             settings.camera_height,
             (float(up), float(down)),
             settings.cropped,
         )
 
+    def clip(self, number: int) -> Iterator[Frame]:
+        """Generate all frames of one clip."""
+        source = np.random.SeedSequence([self.settings.seed, number])
+        random = _Generators(*(np.random.Generator(np.random.PCG64(s)) for s in source.spawn(3)))
+        bodies = [self._sampler.sample_body(random.people) for _ in range(self.settings.people)]
+        people = [self._sampler.sample_person(rest, self.length, random.people) for rest in bodies]
+        if self.settings.rate is not None:
+            groups = [people]
+        else:  # each frame has its own placement
+            groups = [
+                [person.single_frame(frame) for person in people] for frame in range(self.length)
+            ]
+        for group in groups:
+            state = self._place(group, random)
+            for frame in range(self.length // len(groups)):
+                yield self._render(state, frame, random.sensor)
 
-class _Take(NamedTuple):
-    """One or more frames in a row with people and camera in place."""
+    def _place(self, people: list[SyntheticPerson], random: _Generators) -> _SceneState:
+        """Sample a placement; if none is possible, sample other motions of the same bodies."""
+        count = len(people[0].pelvis_heights)
+        for left in reversed(range(_PLACEMENT_TRIES)):
+            extents = [person.extent for person in people]
+            try:
+                placement = sample_placement(extents, self._constraints, random.people)
+            except InputError:
+                if not left:
+                    raise
+                people = [
+                    self._sampler.sample_person(each.rest, count, random.people) for each in people
+                ]
+                continue
+            break
+        room = sample_room(extents, placement, random.room) if self.settings.background else None
+        return _SceneState(people, placement, room)
 
-    people: list[Person]
-    stage: Stage
-    scene: Scene | None
+    def _render(self, state: _SceneState, index: int, random: np.random.Generator) -> Frame:
+        bodies = np.arange(1, len(state.people) + 1)
+        posed = [
+            self._sampler.pose_in_camera(person, index, state.placement, number)
+            for number, person in enumerate(state.people)
+        ]
+        meshes = [
+            RenderMesh(body.vertices, self._sampler.body.triangles, int(number))
+            for number, body in zip(bodies, posed, strict=True)
+        ]
+        image = render_meshes(meshes, self._camera, self._sensor.width, self._sensor.height)
+        if state.room is not None:
+            render_room(image, state.room, state.placement.tilt, self._camera)
+        image = _in_millimetres(apply_sensor(self._sensor.noise, image, self._camera, random))
+        joints = np.array([body.joints for body in posed])
+        return Frame(
+            stamp=0,
+            frame_id=FRAME_ID,
+            depth=image.depth,
+            labels=image.labels,
+            camera=self._camera,
+            ground_truth=Skeletons(
+                bodies.astype(np.uint16),
+                np.arange(len(JOINT_NAMES), dtype=np.uint16),
+                joints.astype(np.float32),
+                np.ones(joints.shape[:2], np.float32),
+            ),
+        )
 
 
-class _Chances(NamedTuple):
-    """Sources of chance that do not disturb one another: a room changes nobody's pose."""
-
-    world: np.random.Generator
-    sensor: np.random.Generator
-    scene: np.random.Generator
-
-
-def _frames(studio: _Studio) -> Iterator[Frame]:
-    settings = studio.settings
-    length = clip_length_of(settings)
+def _frames(generator: _ClipGenerator) -> Iterator[Frame]:
+    settings, length = generator.settings, generator.length
     for clip in range(-(-settings.frames // length)):
-        for number, frame in enumerate(_clip(studio, clip), start=clip * length):
+        for number, frame in enumerate(generator.clip(clip), start=clip * length):
             if number >= settings.frames:
                 return
             yield frame._replace(
@@ -102,71 +171,7 @@ def _frames(studio: _Studio) -> Iterator[Frame]:
             )
 
 
-def _clip(studio: _Studio, clip: int) -> Iterator[Frame]:
-    """Generate all frames of one clip; they depend on the seed and the clip's number alone."""
-    source = np.random.SeedSequence([studio.settings.seed, clip])
-    chances = _Chances(*(np.random.Generator(np.random.PCG64(s)) for s in source.spawn(3)))
-    length = clip_length_of(studio.settings)
-    rests = [studio.cast.draw(chances.world) for _ in range(studio.settings.people)]
-    people = [studio.cast.move(rest, length, chances.world) for rest in rests]
-    if studio.settings.rate is not None:
-        takes = [people]
-    else:  # people and camera are elsewhere in every frame
-        takes = [[person.at(frame) for person in people] for frame in range(length)]
-    for actors in takes:
-        take = _take(studio, actors, chances)
-        for frame in range(length // len(takes)):
-            yield _shoot(studio, take, frame, chances.sensor)
-
-
-def _take(studio: _Studio, people: list[Person], chances: _Chances) -> _Take:
-    """Draw where people are; where there is no place for what they do, they do something else."""
-    count = len(people[0].lifts)
-    for left in reversed(range(_REDRAWN)):
-        actors = [person.actor for person in people]
-        try:
-            stage = set_stage(actors, studio.view, chances.world)
-        except InputError:
-            if not left:
-                raise
-            people = [studio.cast.move(each.rest, count, chances.world) for each in people]
-            continue
-        break
-    scene = draw_scene(actors, stage, chances.scene) if studio.settings.background else None
-    return _Take(people, stage, scene)
-
-
-def _shoot(studio: _Studio, take: _Take, index: int, random: np.random.Generator) -> Frame:
-    bodies = np.arange(1, len(take.people) + 1)
-    posed = [
-        studio.cast.before_camera(person, index, take.stage, number)
-        for number, person in enumerate(take.people)
-    ]
-    meshes = [
-        Mesh(body.vertices, studio.cast.body.triangles, int(number))
-        for number, body in zip(bodies, posed, strict=True)
-    ]
-    image = render_meshes(meshes, studio.camera, studio.sensor.width, studio.sensor.height)
-    if take.scene is not None:
-        add_scene(image, take.scene, take.stage.tilt, studio.camera)
-    image = _in_millimetres(sense(studio.sensor.noise, image, studio.camera, random))
-    joints = np.array([body.joints for body in posed])
-    return Frame(
-        stamp=0,
-        frame_id=FRAME_ID,
-        depth=image.depth,
-        labels=image.labels,
-        camera=studio.camera,
-        ground_truth=Skeletons(
-            bodies.astype(np.uint16),
-            np.arange(len(JOINT_NAMES), dtype=np.uint16),
-            joints.astype(np.float32),
-            np.ones(joints.shape[:2], np.float32),
-        ),
-    )
-
-
-def _in_millimetres(image: Image) -> Image:
-    """Return `image` as a 16UC1 message can hold it."""
+def _in_millimetres(image: DepthImage) -> DepthImage:
+    """Return `image` with depth rounded to whole millimetres, as in a 16UC1 message."""
     whole = np.rint(image.depth.astype(np.float64) * 1000)
     return image._replace(depth=(whole / 1000).astype(np.float32))

@@ -1,4 +1,4 @@
-"""The people of a clip: shaped, dressed and in motion, standing on the floor."""
+"""Synthetic people: sampled body, clothes and motion, standing on the floor."""
 
 from typing import NamedTuple
 
@@ -6,54 +6,54 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
-from lsc_pose_ros.synthetic.body.body_file import Body, load_body
-from lsc_pose_ros.synthetic.body.body_mesh import Posed, Rest, pose_body
-from lsc_pose_ros.synthetic.body.clothes import dress, open_wardrobe
-from lsc_pose_ros.synthetic.body.population import Population, Tailor
+from lsc_pose_ros.synthetic.body.body_file import BodyModel, load_body
+from lsc_pose_ros.synthetic.body.body_mesh import PosedBody, RestBody, pose_body
+from lsc_pose_ros.synthetic.body.clothes import clothes_regions, dress
+from lsc_pose_ros.synthetic.body.population import BodySampler, Population
 from lsc_pose_ros.synthetic.mocap.mocap import Mocap, load_mocap
-from lsc_pose_ros.synthetic.motion.motion import Motion, draw_motion
-from lsc_pose_ros.synthetic.scene.placement import Actor, Stage
+from lsc_pose_ros.synthetic.motion.motion import Motion, sample_motion
+from lsc_pose_ros.synthetic.scene.placement import PersonExtent, ScenePlacement
 from lsc_pose_ros.synthetic.settings import SyntheticSettings
 
-# Vertices that may be outermost, and so stand for all of the skin: of those that follow a bone
-# most, those that lie farthest in each of these directions.
+# The directions in which `hull_vertices` looks for the outermost vertices of each bone.
 _DIRECTIONS = np.array(
     [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z]
 )
 
 
-class Person(NamedTuple):
+class SyntheticPerson(NamedTuple):
     """One person in T frames.
 
     Attributes:
-        rest: at rest, dressed.
-        rotations: of the bones against their parents, the root's from the person's axes into a
-            level frame, x right, y down, z away from the camera, shape (T, B, 3, 3).
-        lifts: how high the pelvis is over the floor, metres, shape (T,).
-        actor: the outermost points, over the floor under the pelvis.
+        rest: the dressed body in the rest pose.
+        rotations: the bones' rotations relative to their parents, shape (T, B, 3, 3). The root's
+            rotation maps the person's axes to a level frame: x right, y down, z away from the
+            camera.
+        pelvis_heights: height of the pelvis above the floor, metres, shape (T,).
+        extent: the outermost points, relative to the floor below the pelvis.
     """
 
-    rest: Rest
+    rest: RestBody
     rotations: NDArray[np.float64]
-    lifts: NDArray[np.float64]
-    actor: Actor
+    pelvis_heights: NDArray[np.float64]
+    extent: PersonExtent
 
-    def at(self, frame: int) -> 'Person':
-        """Return the person in one frame alone."""
+    def single_frame(self, frame: int) -> 'SyntheticPerson':
+        """Return the person with one frame only."""
         one = slice(frame, frame + 1)
-        return Person(
+        return SyntheticPerson(
             self.rest,
             self.rotations[one],
-            self.lifts[one],
-            Actor(self.actor.points[one], self.actor.trunk[one]),
+            self.pelvis_heights[one],
+            PersonExtent(self.extent.points[one], self.extent.trunk[one]),
         )
 
 
-class Cast:
-    """Draws people for clips."""
+class PersonSampler:
+    """Samples people and their motion for clips."""
 
     def __init__(self, settings: SyntheticSettings) -> None:
-        """Draw people as `settings` say.
+        """Load the body model and the motion capture that `settings` name.
 
         Raises:
             InputError: the motion capture files cannot be used.
@@ -62,63 +62,79 @@ class Cast:
         self._population = Population(settings.age, settings.stature)
         self._yaw = float(np.radians(settings.yaw))
         self._rate = settings.rate
-        self._tailor = Tailor(self.body)
-        self._wardrobe = open_wardrobe(self.body)
-        self._outermost = outermost_vertices(self.body)
-        self._outline = self.body._replace(
-            skin_bones=self.body.skin_bones[self._outermost],
-            skin_weights=self.body.skin_weights[self._outermost],
+        self._body_sampler = BodySampler(self.body)
+        self._clothes_regions = clothes_regions(self.body)
+        self._hull = hull_vertices(self.body)
+        self._hull_body = self.body._replace(
+            skin_bones=self.body.skin_bones[self._hull],
+            skin_weights=self.body.skin_weights[self._hull],
         )
-        self._mocap = _mocap(settings)
-        self._mocap_share = settings.mocap_share
+        self._mocap = _selected_mocap(settings)
+        self._mocap_fraction = settings.mocap_fraction
 
-    def draw(self, random: np.random.Generator) -> Rest:
-        """Draw a person at rest, dressed.
+    def sample_body(self, random: np.random.Generator) -> RestBody:
+        """Sample a dressed body in the rest pose.
 
         Raises:
-            InputError: there is nobody of such an age and stature.
+            InputError: the ages and the statures of the settings exclude each other.
         """
-        return dress(self._wardrobe, self._tailor.draw(self._population, random), random)
+        undressed = self._body_sampler.sample(self._population, random)
+        return dress(self._clothes_regions, undressed, random)
 
-    def move(self, rest: Rest, count: int, random: np.random.Generator) -> Person:
-        """Draw what a person does in `count` frames.
+    def sample_person(
+        self, rest: RestBody, count: int, random: np.random.Generator
+    ) -> SyntheticPerson:
+        """Sample the motion of a body in `count` frames.
 
         Raises:
             InputError: a motion capture file cannot be used.
         """
-        captured = random.random() < self._mocap_share
-        draw = self._mocap.draw if captured and self._mocap else draw_motion
-        motion = draw(self.body, rest, count, self._rate, self._yaw, random)
-        return self.place(rest, motion)
+        captured = random.random() < self._mocap_fraction
+        sample = self._mocap.sample if captured and self._mocap else sample_motion
+        motion = sample(self.body, rest, count, self._rate, self._yaw, random)
+        return self.stand_on_floor(rest, motion)
 
-    def place(self, rest: Rest, motion: Motion) -> Person:
-        """Return a person in motion, on the floor."""
+    def stand_on_floor(self, rest: RestBody, motion: Motion) -> SyntheticPerson:
+        """Return the person who moves by `motion`, lowest point on the floor in each frame."""
         rotations = motion.rotations.copy()
-        rotations[:, 0] = _level_turns(motion.yaw) @ rotations[:, 0]
-        seen = rest._replace(vertices=rest.vertices[self._outermost])
-        posed = [pose_body(self._outline, seen, turns, np.zeros(3)) for turns in rotations]
+        rotations[:, 0] = _yaw_rotations(motion.yaw) @ rotations[:, 0]
+        hull = rest._replace(vertices=rest.vertices[self._hull])
+        posed = [pose_body(self._hull_body, hull, each, np.zeros(3)) for each in rotations]
         points = np.array([each.vertices for each in posed])
-        lifts = points[:, :, 1].max(axis=1)
-        points[..., 1] -= lifts[:, None]
+        pelvis_heights = points[:, :, 1].max(axis=1)
+        points[..., 1] -= pelvis_heights[:, None]
         trunk = np.array([each.joints[JOINT_NUMBERS['torso']] for each in posed])
-        trunk[:, 1] -= lifts
-        return Person(rest, rotations, lifts, Actor(points, trunk))
+        trunk[:, 1] -= pelvis_heights
+        return SyntheticPerson(rest, rotations, pelvis_heights, PersonExtent(points, trunk))
 
-    def before_camera(self, person: Person, frame: int, stage: Stage, number: int) -> Posed:
-        """Return one frame of the person who stands at the stage's place `number`.
+    def pose_in_camera(
+        self, person: SyntheticPerson, frame: int, placement: ScenePlacement, number: int
+    ) -> PosedBody:
+        """Return the body of one frame in the optical frame.
 
-        The body is in the optical frame.
+        Args:
+            person: the person.
+            frame: the frame's number.
+            placement: the positions of camera and people.
+            number: the number of the person's position in `placement`.
         """
         rotations = person.rotations[frame].copy()
-        rotations[0] = stage.tilt @ rotations[0]
-        offset = stage.offsets[number] - np.array([0.0, person.lifts[frame], 0.0])
-        return pose_body(self.body, person.rest, rotations, stage.tilt @ offset)
+        rotations[0] = placement.tilt @ rotations[0]
+        height = np.array([0.0, person.pelvis_heights[frame], 0.0])
+        position = placement.tilt @ (placement.positions[number] - height)
+        return pose_body(self.body, person.rest, rotations, position)
 
 
-def outermost_vertices(body: Body) -> NDArray[np.int64]:
-    """Return the numbers of vertices, shape (P,), whose hull in any pose is about the skin's."""
+def hull_vertices(body: BodyModel) -> NDArray[np.int64]:
+    """Return the numbers of vertices whose convex hull approximates the skin's in any pose.
+
+    Of the vertices that follow each bone most, these are the outermost ones in 26 directions.
+
+    Returns:
+        Numbers of vertices, ascending, shape (P,).
+    """
     vertices = body.mean[: len(body.skin_bones)].astype(np.float64)
-    # Rounded, so that the last bits, which differ between libraries, do not choose.
+    # Rounded, so that the last bits, which differ between libraries, do not decide.
     along = np.round(vertices @ _DIRECTIONS.T, 9)
     bones = body.skin_bones[:, 0]
     chosen: set[int] = set()
@@ -128,20 +144,20 @@ def outermost_vertices(body: Body) -> NDArray[np.int64]:
     return np.array(sorted(chosen))
 
 
-def _level_turns(yaw: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the turns from people's axes (x left, y up, z forward) into the level frame.
+def _yaw_rotations(yaw: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotations from people's axes (x left, y up, z forward) to the level frame.
 
-    That is x right, y down, z away from the camera: who has yaw 0 faces the camera and has the
-    left hand at image right.
+    In the level frame, x is right, y is down and z is away from the camera. A person with yaw 0
+    faces the camera and has the left hand at image right.
     """
-    turns = np.zeros((len(yaw), 3, 3))
-    turns[:, 0, 0], turns[:, 0, 2] = np.cos(yaw), np.sin(yaw)
-    turns[:, 1, 1] = -1.0
-    turns[:, 2, 0], turns[:, 2, 2] = np.sin(yaw), -np.cos(yaw)
-    return turns
+    rotations = np.zeros((len(yaw), 3, 3))
+    rotations[:, 0, 0], rotations[:, 0, 2] = np.cos(yaw), np.sin(yaw)
+    rotations[:, 1, 1] = -1.0
+    rotations[:, 2, 0], rotations[:, 2, 2] = np.sin(yaw), -np.cos(yaw)
+    return rotations
 
 
-def _mocap(settings: SyntheticSettings) -> Mocap | None:
+def _selected_mocap(settings: SyntheticSettings) -> Mocap | None:
     if settings.mocap is None:
         return None
     mocap = load_mocap(settings.mocap, settings.mocap_mapping)

@@ -1,4 +1,4 @@
-"""What synthetic frames shall show, checked before anything is drawn."""
+"""Settings of the synthetic generator and their checks."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -11,44 +11,46 @@ from lsc_pose_ros.synthetic.body.body_mesh import AGES
 from lsc_pose_ros.synthetic.body.population import Population
 from lsc_pose_ros.synthetic.sensors.sensors import NOISES, SENSORS, Sensor
 
-MOST_PEOPLE = 8
+MAX_PEOPLE = 8
 
 CLIP_LENGTH = 10
-"""Frames in which the same people are seen, unless told otherwise."""
+"""Default number of successive frames with the same people."""
 
 VIDEO_CLIP_LENGTH = 90
-"""The same where the frames are a video."""
+"""Default number of successive frames with the same people in a video."""
 
-_STEEPEST = 45.0
+_MAX_TILT = 45.0
 
 
 class SyntheticSettings(NamedTuple):
     """What to generate.
 
     Attributes:
-        frames: how many.
-        seed: of everything that is drawn.
-        people: in every frame.
-        sensor: the depth camera, one of `SENSORS`; it has a size, a field of view and a noise.
-        width: of the image, pixels; None: the sensor's.
-        height: of the image, pixels; None: the sensor's.
-        field_of_view: horizontal, degrees; None: the sensor's.
-        noise: one of `NOISES`; None: the sensor's.
-        yaw: people face at most so far aside of the camera, degrees; 180 is all round.
-        distance: the nearest and the farthest that a person stands, metres.
-        camera_height: the lowest and the highest that the camera is over the floor, metres.
-        camera_tilt: by how little and by how much it looks down, degrees; negative is up.
-        age: of the youngest and the oldest, years.
-        stature: of the smallest and the tallest, metres.
-        clip_length: new people come every so many frames; None: 10, or 90 in a video.
-        rate: frames a second of smooth motion; None: frames have nothing to do with each other.
-        cropped: people may be cut off by the image's edge.
-        background: people are in a room with furniture.
-        mocap: a folder of motion capture files, BVH, to draw poses or motion from.
-        mocap_mapping: the file that says what their joints stand for; None: CMU's.
-        mocap_share: of the people, those who move as in `mocap`.
-        mocap_only: only these clips; names, or patterns such as 05_*; empty: all.
-        mocap_without: none of these clips.
+        frames: number of frames.
+        seed: of all random numbers.
+        people: number of people in each frame.
+        sensor: the depth camera, one of `SENSORS`; it defines size, field of view and noise.
+        width: of the image, pixels; None is the sensor's.
+        height: of the image, pixels; None is the sensor's.
+        field_of_view: horizontal, degrees; None is the sensor's.
+        noise: one of `NOISES`; None is the sensor's.
+        yaw: largest angle between the direction that people face and the camera, degrees; 180 is
+            all around.
+        distance: smallest and largest distance of a person, metres.
+        camera_height: smallest and largest height of the camera above the floor, metres.
+        camera_tilt: smallest and largest downward tilt of the camera, degrees; negative is upward.
+        age: of the youngest and the oldest person, years.
+        stature: of the smallest and the tallest person, metres.
+        clip_length: number of successive frames with the same people; None is 10, or 90 in a
+            video.
+        rate: frames per second of smooth motion; None generates independent frames.
+        cropped: whether the image edge can cut people off.
+        background: whether people are in a furnished room.
+        mocap: a folder of motion capture files (BVH) to sample poses or motion from.
+        mocap_mapping: mapping file for their joints; None is the one for CMU.
+        mocap_fraction: fraction of people who move as in `mocap`.
+        mocap_only: use only these clips; names, or patterns such as 05_*; empty uses all.
+        mocap_without: use none of these clips.
     """
 
     frames: int = 300
@@ -71,13 +73,13 @@ class SyntheticSettings(NamedTuple):
     background: bool = False
     mocap: Path | None = None
     mocap_mapping: Path | None = None
-    mocap_share: float = 0.5
+    mocap_fraction: float = 0.5
     mocap_only: tuple[str, ...] = ()
     mocap_without: tuple[str, ...] = ()
 
 
 def sensor_of(settings: SyntheticSettings) -> Sensor:
-    """Return the sensor, with whatever the settings change of it."""
+    """Return the sensor with the changes that the settings make."""
     sensor = SENSORS[settings.sensor]
     changes = {
         name: getattr(settings, name)
@@ -88,7 +90,7 @@ def sensor_of(settings: SyntheticSettings) -> Sensor:
 
 
 def camera_of(settings: SyntheticSettings) -> Intrinsics:
-    """Return the camera: square pixels, the principal point in the middle of the image."""
+    """Return the intrinsics: square pixels, principal point in the middle of the image."""
     sensor = sensor_of(settings)
     focal = 0.5 * sensor.width / np.tan(np.radians(0.5 * sensor.field_of_view))
     return Intrinsics(
@@ -97,7 +99,7 @@ def camera_of(settings: SyntheticSettings) -> Intrinsics:
 
 
 def clip_length_of(settings: SyntheticSettings) -> int:
-    """Return after how many frames new people come."""
+    """Return the number of successive frames with the same people."""
     if settings.clip_length is not None:
         return settings.clip_length
     return CLIP_LENGTH if settings.rate is None else VIDEO_CLIP_LENGTH
@@ -107,20 +109,24 @@ def check(settings: SyntheticSettings) -> None:
     """Check settings.
 
     Raises:
-        InputError: one of them cannot be met.
+        InputError: a value is out of range, or two settings contradict each other.
     """
     if settings.sensor not in SENSORS:
         msg = f'sensor is {settings.sensor}; give one of {", ".join(SENSORS)}'
         raise InputError(msg)
-    for met, complaint in (*_amounts(settings), *_views(settings), *_people(settings)):
-        if not met:
+    for holds, complaint in (
+        *_amount_conditions(settings),
+        *_camera_conditions(settings),
+        *_people_conditions(settings),
+    ):
+        if not holds:
             raise InputError(complaint)
 
 
-_Demand = tuple[bool, str]
+_Condition = tuple[bool, str]
 
 
-def _amounts(settings: SyntheticSettings) -> tuple[_Demand, ...]:
+def _amount_conditions(settings: SyntheticSettings) -> tuple[_Condition, ...]:
     length, rate = clip_length_of(settings), settings.rate
     return (
         (settings.frames >= 1, f'frames is {settings.frames}; give 1 or more'),
@@ -133,7 +139,7 @@ def _amounts(settings: SyntheticSettings) -> tuple[_Demand, ...]:
     )
 
 
-def _views(settings: SyntheticSettings) -> tuple[_Demand, ...]:
+def _camera_conditions(settings: SyntheticSettings) -> tuple[_Condition, ...]:
     sensor = sensor_of(settings)
     near, far = settings.distance
     lowest, highest = settings.camera_height
@@ -151,32 +157,32 @@ def _views(settings: SyntheticSettings) -> tuple[_Demand, ...]:
         (0 <= settings.yaw <= 180, f'yaw is {settings.yaw:g} degrees; give 0 to 180'),
         (
             0.5 <= near <= far <= 20,
-            f'distance is {near:g} to {far:g} m; give the nearer first, both within 0.5 to 20',
+            f'distance is {near:g} to {far:g} m; give the smaller first, both within 0.5 to 20',
         ),
         (
             0 <= lowest <= highest <= 5,
             (
-                f'the camera height is {lowest:g} to {highest:g} m; give the lower first, both '
+                f'the camera height is {lowest:g} to {highest:g} m; give the smaller first, both '
                 f'within 0 to 5'
             ),
         ),
         (
-            -_STEEPEST <= up <= down <= _STEEPEST,
+            -_MAX_TILT <= up <= down <= _MAX_TILT,
             (
                 f'the camera tilt is {up:g} to {down:g} degrees; give the smaller first, both '
-                f'within {-_STEEPEST:g} (up) to {_STEEPEST:g} (down)'
+                f'within {-_MAX_TILT:g} (up) to {_MAX_TILT:g} (down)'
             ),
         ),
     )
 
 
-def _people(settings: SyntheticSettings) -> tuple[_Demand, ...]:
+def _people_conditions(settings: SyntheticSettings) -> tuple[_Condition, ...]:
     small, tall = settings.stature
     young, old = settings.age
     return (
         (
-            1 <= settings.people <= MOST_PEOPLE,
-            f'people is {settings.people}; give 1 to {MOST_PEOPLE}',
+            1 <= settings.people <= MAX_PEOPLE,
+            f'people is {settings.people}; give 1 to {MAX_PEOPLE}',
         ),
         (
             0.8 <= small <= tall <= 2.2,
@@ -190,11 +196,11 @@ def _people(settings: SyntheticSettings) -> tuple[_Demand, ...]:
             ),
         ),
         (
-            0 <= settings.mocap_share <= 1,
-            f'the share of motion capture is {settings.mocap_share:g}; give 0 to 1',
+            0 <= settings.mocap_fraction <= 1,
+            f'the fraction of motion capture is {settings.mocap_fraction:g}; give 0 to 1',
         ),
         (
             settings.mocap is not None or not settings.mocap_only + settings.mocap_without,
-            'motion capture clips are named, but no folder of them is given',
+            'motion capture clips are named, but the folder is not given',
         ),
     )

@@ -55,7 +55,15 @@ def test_command_passes_every_argument_on(monkeypatch: pytest.MonkeyPatch, tmp_p
         *('--fov', 70, '--noise', 'none', '--yaw', 30, '--distance', 2, 3, '--stature', 1.2, 1.4),
         *('--clip-length', 9, '--fps', 15, '--cropped', '--background', '--sensor', 'azure'),
         *('--height', 1, 1.5, '--tilt', -5, 5, '--age', 8, 12, '--mocap', tmp_path),
-        *('--mocap-mapping', tmp_path / 'm.yaml', '--mocap-share', 0.25, '--mocap-only', 'a', 'b'),
+        *(
+            '--mocap-mapping',
+            tmp_path / 'm.yaml',
+            '--mocap-fraction',
+            0.25,
+            '--mocap-only',
+            'a',
+            'b',
+        ),
         *('--mocap-without', 'c_*'),
     )
     assert asked[0] == SyntheticSettings()
@@ -80,7 +88,7 @@ def test_command_passes_every_argument_on(monkeypatch: pytest.MonkeyPatch, tmp_p
         background=True,
         mocap=tmp_path,
         mocap_mapping=tmp_path / 'm.yaml',
-        mocap_share=0.25,
+        mocap_fraction=0.25,
         mocap_only=('a', 'b'),
         mocap_without=('c_*',),
     )

@@ -7,15 +7,15 @@ import numpy as np
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.synthetic import people as cast
-from lsc_pose_ros.synthetic.body.bone_rotations import articulate, rig_of
+from lsc_pose_ros.synthetic import people as synthetic_people
+from lsc_pose_ros.synthetic.body.bone_rotations import pose_rotations, rig_of
 from lsc_pose_ros.synthetic.generator import SyntheticSettings, camera_of
 from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS, ANGLES
 from lsc_pose_ros.synthetic.motion.motion import Motion
-from lsc_pose_ros.synthetic.scene.image import Image
-from lsc_pose_ros.synthetic.scene.mesh_render import Mesh, render_meshes
-from lsc_pose_ros.synthetic.scene.placement import Stage
-from lsc_pose_ros.synthetic.sensors.sensors import sense
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.scene.mesh_render import RenderMesh, render_meshes
+from lsc_pose_ros.synthetic.scene.placement import ScenePlacement
+from lsc_pose_ros.synthetic.sensors.sensors import apply_sensor
 
 
 class Room(NamedTuple):
@@ -60,15 +60,15 @@ def settings(width: int) -> SyntheticSettings:
 
 
 @cache
-def everybody() -> cast.Cast:
-    return cast.Cast(settings(320))
+def everybody() -> synthetic_people.PersonSampler:
+    return synthetic_people.PersonSampler(settings(320))
 
 
 @cache
-def somebody(seed: int) -> cast.Person:
+def somebody(seed: int) -> synthetic_people.SyntheticPerson:
     """Somebody who stands, arms a little or farther aside of the body."""
     random = np.random.Generator(np.random.PCG64(seed))
-    rest = everybody().draw(random)
+    rest = everybody().sample_body(random)
     angles = np.zeros(len(ANGLES))
     chances = dict(zip(ANGLES, random.random(len(ANGLES)), strict=True))
     for name, low, high in (
@@ -80,9 +80,9 @@ def somebody(seed: int) -> cast.Person:
         for side in ('l', 'r'):
             joint = f'{side}_{name}'
             angles[ANGLE_NUMBERS[joint]] = np.radians(low + (high - low) * chances[joint])
-    rotations = articulate(rig_of(everybody().body, rest), angles[None])
+    rotations = pose_rotations(rig_of(everybody().body, rest), angles[None])
     yaw = np.radians(40) * (2 * random.random(1) - 1)
-    return everybody().place(rest, Motion(rotations, yaw))
+    return everybody().stand_on_floor(rest, Motion(rotations, yaw))
 
 
 def empty_room(room: Room, camera: Intrinsics, width: int, height: int) -> np.ndarray:
@@ -108,25 +108,25 @@ def empty_room(room: Room, camera: Intrinsics, width: int, height: int) -> np.nd
 
 def look(
     room: Room, people: list[Person], *, width: int = 320, noise_seed: int = 1
-) -> tuple[Image, Intrinsics]:
+) -> tuple[DepthImage, Intrinsics]:
     """Return what a Kinect in the room sees, and its intrinsics; people are numbered from 1."""
     camera, height = camera_of(settings(width)), width * 3 // 4
     depth = empty_room(room, camera, width, height)
     labels = np.full(depth.shape, NO_BODY, np.int32)
     offsets = np.array([(each.x, room.camera_height, each.z) for each in people])
-    stage = Stage(room.to_camera, offsets)
+    stage = ScenePlacement(room.to_camera, offsets)
     drawn = [
-        everybody().before_camera(somebody(each.seed), 0, stage, number)
+        everybody().pose_in_camera(somebody(each.seed), 0, stage, number)
         for number, each in enumerate(people)
     ]
     triangles = everybody().body.triangles
-    meshes = [Mesh(body.vertices, triangles, number) for number, body in enumerate(drawn, 1)]
+    meshes = [RenderMesh(body.vertices, triangles, number) for number, body in enumerate(drawn, 1)]
     seen = render_meshes(meshes, camera, width, height)
     nearer = (seen.labels != NO_BODY) & (seen.depth < depth)
     depth = np.where(nearer, seen.depth, depth)
     labels[nearer] = seen.labels[nearer]
-    clean = Image(depth.astype(np.float32), labels)
-    return sense('kinect_v1', clean, camera, np.random.default_rng(noise_seed)), camera
+    clean = DepthImage(depth.astype(np.float32), labels)
+    return apply_sensor('kinect_v1', clean, camera, np.random.default_rng(noise_seed)), camera
 
 
 def overlap(found: np.ndarray, true: np.ndarray) -> float:

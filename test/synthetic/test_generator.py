@@ -280,12 +280,12 @@ def test_a_background_changes_nothing_of_the_people() -> None:
 
 
 def test_motion_capture_moves_people(shared: Path) -> None:
-    settings = CLEAN._replace(mocap=shared / 'mocap_cmu', mocap_share=1.0, rate=30.0)
-    captured, own = (frames_of(each) for each in (settings, settings._replace(mocap_share=0.0)))
+    settings = CLEAN._replace(mocap=shared / 'mocap_cmu', mocap_fraction=1.0, rate=30.0)
+    captured, own = (frames_of(each) for each in (settings, settings._replace(mocap_fraction=0.0)))
     np.testing.assert_allclose(bones_of(captured), bones_of(own), rtol=1e-5)
     assert not any(equal(one, other) for one, other in zip(captured, own, strict=True))
     only = settings._replace(mocap_only=('nothing like it',))
-    with pytest.raises(InputError, match='names none'):
+    with pytest.raises(InputError, match='matches none'):
         synthetic_frames(only)
 
 
@@ -318,8 +318,8 @@ def test_sixty_frames_a_second() -> None:
         ({'age': (0.0, 20.0)}, 'age is 0 to 20 years'),
         ({'clip_length': 0}, 'clip length is 0'),
         ({'rate': 0.0}, 'rate is 0'),
-        ({'mocap_share': 1.5}, r'share of motion capture is 1\.5'),
-        ({'mocap_only': ('01_01',)}, 'no folder'),
+        ({'mocap_fraction': 1.5}, r'fraction of motion capture is 1\.5'),
+        ({'mocap_only': ('01_01',)}, 'the folder is not given'),
     ],
 )
 def test_settings_that_cannot_be_met_are_refused(change: dict[str, object], words: str) -> None:

@@ -25,7 +25,7 @@ for settings in (
       for background in (False, True)),
 ):
     for frame in synthetic_frames(settings):
-        for array in (frame.depth, frame.labels, frame.truth.positions):
+        for array in (frame.depth, frame.labels, frame.ground_truth.positions):
             digest.update(array.tobytes())
 print(sys.version_info[:2], digest.hexdigest())
 """

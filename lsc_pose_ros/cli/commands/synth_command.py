@@ -177,10 +177,10 @@ def _add_mocap(parser: argparse._ArgumentGroup) -> None:
         help='mapping of the joints in the files (config/mocap/cmu.yaml)',
     )
     parser.add_argument(
-        '--mocap-share',
+        '--mocap-fraction',
         type=float,
-        default=_DEFAULTS.mocap_share,
-        metavar='SHARE',
+        default=_DEFAULTS.mocap_fraction,
+        metavar='FRACTION',
         help='fraction of people who move as in the files, 0 to 1 (%(default)g)',
     )
     for name, meaning in (('only', 'use only these files'), ('without', 'do not use these files')):

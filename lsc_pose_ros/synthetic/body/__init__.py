@@ -1,1 +1,1 @@
-"""The body: shape, skin, bones, clothes, and collisions of its limbs."""
+"""Body model: shape, skin, bones, clothes and self-collision."""

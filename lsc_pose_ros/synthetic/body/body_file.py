@@ -1,6 +1,6 @@
-"""The file of the parametric body: its shape space, its skin and its rig.
+"""The file of the parametric body model: shape space, skin and rig.
 
-MakeHuman's body as `bake` packs it: numpy arrays in a zip archive, nothing that can run.
+It is MakeHuman's body, packed by `bake_body`: numpy arrays in a zip archive, no executable code.
 """
 
 import os
@@ -18,28 +18,28 @@ from lsc_pose_ros.resources.package_files import resource
 VERSION = 1
 
 
-class Body(NamedTuple):
-    """Everybody's body: P = V + B + 20 points that follow the shape, and what moves them.
+class BodyModel(NamedTuple):
+    """The body model of all people: P = V + B + 20 points that depend on the shape, skin and rig.
 
-    The first V points are the skin's vertices, the next B the heads of the bones, about which
-    they turn, the last 20 the joints of the vocabulary. All are at rest: upright, arms held half
-    way down; x to the person's left, y up, z forward.
+    The first V points are the skin's vertices, the next B are the heads of the bones (the points
+    that they rotate about), and the last 20 are the joints. All are given in the rest pose:
+    upright, arms half raised; x to the person's left, y up, z forward.
 
     Attributes:
         mean: metres, shape (P, 3), float32.
-        components: how the shape moves the points, in steps: K principal components of all
-            shapes, then less and more of each of M measures; shape (K + 2 M, P, 3), int16.
-        steps: metres that one step of each component is, shape (K + 2 M,), float64.
-        corners: the principal components' weights at the corners of the space of shapes: sex,
-            age, muscle, weight, height, proportions; shape (2, 4, 3, 3, 3, 3, K), float32.
-        measures: their names, shape (M,).
-        triangles: vertices counter-clockwise as seen from outside, shape (T, 3), uint16.
+        components: displacements of the points, in steps: K principal components of all shapes,
+            then the decrease and the increase of each of M measures; shape (K + 2 M, P, 3), int16.
+        steps: the size of one step of each component, metres, shape (K + 2 M,), float64.
+        corners: weights of the principal components at the corners of the shape space: sex, age,
+            muscle, weight, height, proportions; shape (2, 4, 3, 3, 3, 3, K), float32.
+        measures: names of the measures, shape (M,).
+        triangles: numbers of vertices, counter-clockwise seen from outside, shape (T, 3), uint16.
         skin_bones: the bones that each vertex follows, the strongest first, shape (V, 8), uint8.
-        skin_weights: how much, in 65535ths, shape (V, 8), uint16.
-        bones: their names, parents before children, shape (B,).
+        skin_weights: the skinning weights in units of 1/65535, shape (V, 8), uint16.
+        bones: names of the bones, parents before children, shape (B,).
         parents: the number of each bone's parent, -1 for the root, shape (B,), int16.
-        joint_bones: the bone that carries each joint of the vocabulary, shape (20,), uint8.
-        provenance: where it comes from, and its licence.
+        joint_bones: the bone that carries each joint, shape (20,), uint8.
+        provenance: source and licence of the data.
     """
 
     mean: NDArray[np.float32]
@@ -69,46 +69,46 @@ _ARRAYS: dict[str, tuple[str, int]] = {
 }
 
 
-def save_body(path: str | os.PathLike[str], body: Body) -> None:
-    """Write `body` to `path`, beside it first and then renamed.
+def save_body(path: str | os.PathLike[str], body: BodyModel) -> None:
+    """Write `body` to `path` atomically: to a temporary file first, which is then renamed.
 
     Raises:
         InputError: the file cannot be written.
     """
     target = Path(path)
-    beside = target.with_name(f'.{target.name}.{os.getpid()}.part')
+    temporary = target.with_name(f'.{target.name}.{os.getpid()}.part')
     arrays: dict[str, Any] = {**body._asdict(), 'version': VERSION}
-    # Each axis on its own compresses better.
+    # The axes are stored one after the other, because that compresses better.
     arrays['components'] = np.ascontiguousarray(np.moveaxis(body.components, 2, 1))
     try:
-        with beside.open('wb') as file:
+        with temporary.open('wb') as file:
             np.savez_compressed(file, **arrays)
-        beside.replace(target)
+        temporary.replace(target)
     except OSError as error:
         msg = f'cannot write the body {target}: {error.strerror or error}'
         raise InputError(msg) from error
     finally:
-        beside.unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
-def load_body(path: str | os.PathLike[str] | None = None) -> Body:
-    """Return the body in the file `path`; without it, the one that comes with the package.
+def load_body(path: str | os.PathLike[str] | None = None) -> BodyModel:
+    """Return the body model in the file `path`, or the package's own if `path` is None.
 
     Raises:
-        InputError: there is no such file, or it is no body.
+        InputError: the file does not exist or is not a body model.
     """
     return _load(Path(path) if path is not None else resource('bodies', 'body.npz'))
 
 
 @cache
-def _load(path: Path) -> Body:
+def _load(path: Path) -> BodyModel:
     try:
         with np.load(path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in (*Body._fields, 'version')}
+            arrays = {name: archive[name] for name in (*BodyModel._fields, 'version')}
     except FileNotFoundError as error:
         msg = f'there is no body file {path}'
         raise InputError(msg) from error
-    except Exception as error:  # numpy lets through whatever a damaged file makes it stumble on
+    except Exception as error:  # a damaged file can raise almost anything in numpy
         raise _wrong(path, str(error) or type(error).__name__) from error
     if arrays.pop('version') != VERSION:
         raise _wrong(path, 'it is of another version')
@@ -118,13 +118,13 @@ def _load(path: Path) -> Body:
             raise _wrong(path, f'its part {name} is {array.dtype} of {array.ndim} dimensions')
     arrays['components'] = np.ascontiguousarray(np.moveaxis(arrays['components'], 1, 2))
     arrays['provenance'] = str(arrays['provenance'])
-    body = Body(**arrays)
+    body = BodyModel(**arrays)
     if not _fits(body):
         raise _wrong(path, 'its parts do not fit together')
     return body
 
 
-def _fits(body: Body) -> bool:
+def _fits(body: BodyModel) -> bool:
     vertices, bones, components = len(body.skin_bones), len(body.bones), len(body.steps)
     points = vertices + bones + len(JOINT_NAMES)
     return (

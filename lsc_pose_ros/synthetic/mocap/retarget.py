@@ -1,59 +1,68 @@
-"""Brings motion onto a person: turns of segments to rotations of all bones.
+"""Retargets motion to a person: from the orientations of segments to the rotations of all bones.
 
-Bones are turned, not brought to places: people's proportions differ.
+Only rotations are transferred, not positions, because people's proportions differ.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.synthetic.body.body_file import Body
-from lsc_pose_ros.synthetic.body.body_mesh import Rest, straighten
+from lsc_pose_ros.synthetic.body.body_file import BodyModel
+from lsc_pose_ros.synthetic.body.body_mesh import RestBody, standing_orientations
+from lsc_pose_ros.synthetic.geometry.rotations import (
+    axis_rotation,
+    interpolate_rotations,
+    shortest_rotation,
+)
 from lsc_pose_ros.synthetic.mocap.mocap_mapping import SEGMENTS, TRUNK
-from lsc_pose_ros.synthetic.motion.rotations import about, between, swing
 
-# How far up from one segment of the trunk to the next each bone is: 0.5 is half way between.
+# Position of each bone between the segments of the trunk: 0.5 is half way between two.
 _SPINE: dict[str, float] = {
     'root': 0.0, 'spine05': 0.4, 'spine04': 0.8, 'spine03': 1.2, 'spine02': 1.6, 'spine01': 2.0,
     'neck01': 2.5, 'neck02': 3.0, 'neck03': 3.5, 'head': 4.0,
 }  # fmt: skip
 
-# How much of the turn about themselves, of upper arm and hand, the bones above take over, so that
-# skin is wrung over a length and not in one place.
-_SHOULDER_SHARE = 0.5
-_FOREARM_SHARES = (0.25, 0.65)
+# Fraction of the axial rotation of upper arm and hand that the bones above them take over, so that
+# the skin is twisted along the whole limb.
+_SHOULDER_FRACTION = 0.5
+_FOREARM_FRACTIONS = (0.25, 0.65)
 
 _BLADE_START = 30.0
-_BLADE_SHARE = 1 / 3
-"""The shoulder blade turns by a third of what the arm rises beyond 30 degrees (Inman, Saunders
-and Abbott, Observations on the function of the shoulder joint, 1944)."""
+_BLADE_FRACTION = 1 / 3
+"""The shoulder blade rotates by a third of the arm's elevation beyond 30 degrees (Inman, Saunders
+and Abbott, Observations on the function of the shoulder joint, 1944).
+"""
 
-_REACH = 15.0
-"""Degrees by which a shoulder comes forward with an arm that points ahead."""
+_FORWARD_SHOULDER = 15.0
+"""Angle by which a shoulder moves forward with an arm that points ahead, degrees."""
 
 
-def bone_rotations(
-    body: Body, rest: Rest, turns: NDArray[np.float64], *, shoulders: bool = False
+def retarget_motion(
+    body: BodyModel, rest: RestBody, orientations: NDArray[np.float64], *, shoulders: bool = False
 ) -> NDArray[np.float64]:
-    """Return the rotations of all bones against their parents, as `pose_body` takes them.
+    """Return the rotations of all bones relative to their parents, for `pose_body`.
 
     Args:
-        body: the body.
-        rest: the person at rest.
-        turns: how segments are turned in space from the straight stance, shape (T, S, 3, 3).
-        shoulders: whether those of the shoulders say how they are; else they follow the arms.
+        body: the body model.
+        rest: the person in the rest pose.
+        orientations: of the segments relative to the standing pose, shape (T, S, 3, 3).
+        shoulders: whether those of the shoulders were captured; otherwise, they follow the arms.
 
     Returns:
-        Local rotations, shape (T, B, 3, 3).
+        Rotations, shape (T, B, 3, 3).
     """
-    straight = straighten(body, rest)
-    segments = {name: turns[:, number] for number, name in enumerate(SEGMENTS)}
+    straight = standing_orientations(body, rest)
+    segments = {name: orientations[:, number] for number, name in enumerate(SEGMENTS)}
     named = _trunk(segments)
     for letter, side in (('l', 1.0), ('r', -1.0)):
-        own = {name[2:]: turn for name, turn in segments.items() if name.startswith(f'{letter}_')}
+        own = {
+            name[2:]: orientation
+            for name, orientation in segments.items()
+            if name.startswith(f'{letter}_')
+        }
         if not shoulders:
             own['shoulder'] = _shoulder(segments['chest'], own['upper_arm'], side)
         limbs = {**_arm(segments['chest'], own), **_leg(segments['pelvis'], own)}
-        named |= {f'{name}.{letter.upper()}': turn for name, turn in limbs.items()}
+        named |= {f'{name}.{letter.upper()}': orientation for name, orientation in limbs.items()}
     return _local(body, straight, named)
 
 
@@ -61,9 +70,9 @@ def _trunk(segments: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.flo
     named = {}
     for bone, position in _SPINE.items():
         below = min(int(position), len(TRUNK) - 2)
-        share = position - below
+        fraction = position - below
         start, end = segments[TRUNK[below]], segments[TRUNK[below + 1]]
-        named[bone] = between(start, end, share)
+        named[bone] = interpolate_rotations(start, end, fraction)
     return named
 
 
@@ -71,16 +80,16 @@ def _arm(
     chest: NDArray[np.float64], own: dict[str, NDArray[np.float64]]
 ) -> dict[str, NDArray[np.float64]]:
     upper, forearm, hand = own['upper_arm'], own['forearm'], own['hand']
-    swung = swing(-chest[..., 1], -upper[..., 1]) @ chest
-    # Without what the wrist bends.
-    wrung = swing(-hand[..., 1], -forearm[..., 1]) @ hand
+    raised = shortest_rotation(-chest[..., 1], -upper[..., 1]) @ chest
+    # Without the flexion of the wrist.
+    twisted = shortest_rotation(-hand[..., 1], -forearm[..., 1]) @ hand
     return {
-        'clavicle': between(chest, own['shoulder'], 0.5),
+        'clavicle': interpolate_rotations(chest, own['shoulder'], 0.5),
         'shoulder01': own['shoulder'],
-        'upperarm01': between(swung, upper, _SHOULDER_SHARE),
+        'upperarm01': interpolate_rotations(raised, upper, _SHOULDER_FRACTION),
         'upperarm02': upper,
-        'lowerarm01': between(forearm, wrung, _FOREARM_SHARES[0]),
-        'lowerarm02': between(forearm, wrung, _FOREARM_SHARES[1]),
+        'lowerarm01': interpolate_rotations(forearm, twisted, _FOREARM_FRACTIONS[0]),
+        'lowerarm02': interpolate_rotations(forearm, twisted, _FOREARM_FRACTIONS[1]),
         'wrist': hand,
     }
 
@@ -101,29 +110,29 @@ def _leg(
 def _shoulder(
     chest: NDArray[np.float64], upper: NDArray[np.float64], side: float
 ) -> NDArray[np.float64]:
-    """Return the turns of a shoulder that follows its arm: it rises, and comes forward."""
+    """Return the orientations of a shoulder that rises and moves forward with its arm."""
     arm = np.einsum('tji,tj->ti', chest, -upper[..., 1])
     elevation = np.arccos(np.clip(-arm[:, 1], -1.0, 1.0))
-    rise = _BLADE_SHARE * np.maximum(0.0, elevation - np.radians(_BLADE_START))
-    forward = np.radians(_REACH) * arm[:, 2]
-    return chest @ about(2, side * rise) @ about(1, -side * forward)
+    rise = _BLADE_FRACTION * np.maximum(0.0, elevation - np.radians(_BLADE_START))
+    forward = np.radians(_FORWARD_SHOULDER) * arm[:, 2]
+    return chest @ axis_rotation(2, side * rise) @ axis_rotation(1, -side * forward)
 
 
 def _local(
-    body: Body, straight: NDArray[np.float64], named: dict[str, NDArray[np.float64]]
+    body: BodyModel, straight: NDArray[np.float64], named: dict[str, NDArray[np.float64]]
 ) -> NDArray[np.float64]:
-    """Return local rotations; bones that are not named keep to their parents as if straight."""
+    """Return relative rotations; bones that are not named are as in the standing pose."""
     rotations = np.empty((len(named['root']), len(body.bones), 3, 3))
-    turns = np.empty_like(rotations)
+    orientations = np.empty_like(rotations)
     for bone, parent in enumerate(body.parents):
-        turn = named.get(str(body.bones[bone]))
+        orientation = named.get(str(body.bones[bone]))
         if parent < 0:
-            turns[:, bone] = rotations[:, bone] = named['root'] @ straight[bone]
+            orientations[:, bone] = rotations[:, bone] = named['root'] @ straight[bone]
             continue
-        if turn is None:
+        if orientation is None:
             rotations[:, bone] = straight[parent].T @ straight[bone]
-            turns[:, bone] = turns[:, parent] @ rotations[:, bone]
+            orientations[:, bone] = orientations[:, parent] @ rotations[:, bone]
         else:
-            turns[:, bone] = turn @ straight[bone]
-            rotations[:, bone] = turns[:, parent].transpose(0, 2, 1) @ turns[:, bone]
+            orientations[:, bone] = orientation @ straight[bone]
+            rotations[:, bone] = orientations[:, parent].transpose(0, 2, 1) @ orientations[:, bone]
     return rotations

@@ -1,1 +1,1 @@
-"""Poses and motion by rule, within what joints allow."""
+"""Procedural poses and motion within the limits of the joints."""

@@ -1,13 +1,13 @@
-"""Walking and running: joint angles over a stride, as gait laboratories have measured them."""
+"""Walking and running: joint angles over a stride, from measurements of gait laboratories."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS, ANGLES, ARMS, LEGS
 
-# Degrees at every tenth of a stride, from where the foot meets the floor. Walking after Winter,
-# The Biomechanics and Motor Control of Human Gait (1991), running after Novacheck, The
-# biomechanics of running, Gait and Posture 7 (1998).
+# Degrees at each tenth of a stride, from the contact of the foot with the floor. Walking: Winter,
+# The Biomechanics and Motor Control of Human Gait (1991). Running: Novacheck, The biomechanics of
+# running, Gait and Posture 7 (1998).
 _WALKING: dict[str, tuple[float, ...]] = {
     'hip_flexion': (28, 25, 17, 8, -2, -9, -6, 10, 24, 30),
     'knee': (4, 16, 14, 8, 5, 12, 38, 60, 46, 16),
@@ -23,29 +23,31 @@ _RUNNING: dict[str, tuple[float, ...]] = {
 def stride_angles(
     phase: float, running: float, size: float, hand: float = 0.0
 ) -> NDArray[np.float64]:
-    """Return how a person holds trunk, arms and legs at a moment of a stride.
+    """Return the joint angles at one phase of a stride.
 
     Args:
-        phase: of the stride, 0 to 1; the left foot meets the floor at 0.
-        running: 0 walks, 1 runs; in between is a jog.
-        size: of the movements, 1 as measured.
-        hand: how much more than usual the elbows are bent, radians.
+        phase: of the stride, 0 to 1; the left foot touches the floor at 0.
+        running: 0 walks, 1 runs, in between is a jog.
+        size: amplitude of the movements, 1 as measured.
+        hand: additional flexion of the elbows, radians.
 
     Returns:
         The angles in the order of ANGLES, radians, shape (A,).
     """
     angles = np.zeros(len(ANGLES))
     for side in (0, 1):
-        at = (phase + 0.5 * side) % 1.0
-        swing = {name: _at(_WALKING[name], _RUNNING[name], at, running) for name in _WALKING}
+        own_phase = (phase + 0.5 * side) % 1.0
+        leg = {name: _at(_WALKING[name], _RUNNING[name], own_phase, running) for name in _WALKING}
         prefix = ('l_', 'r_')[side]
-        for name, value in swing.items():
+        for name, value in leg.items():
             angles[ANGLE_NUMBERS[prefix + name]] = np.radians(size * value)
         angles[LEGS[side]][1:3] = np.radians([2.0, 6.0])
-        # The arm goes with the other leg.
-        other = _at(_WALKING['hip_flexion'], _RUNNING['hip_flexion'], (at + 0.5) % 1.0, running)
+        # The arm moves with the other leg.
+        other = _at(
+            _WALKING['hip_flexion'], _RUNNING['hip_flexion'], (own_phase + 0.5) % 1.0, running
+        )
         forwards = size * np.radians((1.0 + 0.4 * running) * (other - 10 - 6 * running))
-        angles[ARMS[side]][:5] = _swing_arm(forwards, running, hand)
+        angles[ARMS[side]][:5] = _arm_swing(forwards, running, hand)
     twist = np.radians(6 + 6 * running) * size * np.cos(2 * np.pi * phase)
     angles[ANGLE_NUMBERS['twist']] = twist
     angles[ANGLE_NUMBERS['turn']] = -twist
@@ -53,19 +55,21 @@ def stride_angles(
     return angles
 
 
-def _at(walking: tuple[float, ...], running: tuple[float, ...], at: float, share: float) -> float:
-    """Return the value, degrees, at a phase between 0 and 1, smoothly through the table."""
-    table = (1 - share) * np.array(walking) + share * np.array(running)
-    first = int(at * len(table)) % len(table)
-    u = at * len(table) - int(at * len(table))
+def _at(
+    walking: tuple[float, ...], running: tuple[float, ...], own_phase: float, fraction: float
+) -> float:
+    """Return the value at a phase between 0 and 1 by cubic interpolation of the table, degrees."""
+    table = (1 - fraction) * np.array(walking) + fraction * np.array(running)
+    first = int(own_phase * len(table)) % len(table)
+    u = own_phase * len(table) - int(own_phase * len(table))
     before, here, there, after = table[(first + np.arange(-1, 3)) % len(table)]
-    # Catmull and Rom's spline.
+    # Catmull-Rom spline.
     bend = 2 * before - 5 * here + 4 * there - after
     cubic = 3 * (here - there) + after - before
     return float(here + 0.5 * u * (there - before + u * (bend + u * cubic)))
 
 
-def _swing_arm(forwards: float, running: float, hand: float) -> NDArray[np.float64]:
+def _arm_swing(forwards: float, running: float, hand: float) -> NDArray[np.float64]:
     """Return plane, elevation, axial, elbow and pronation of an arm that swings at the side."""
     aside = np.radians(9 + 9 * running)
     elevation = np.hypot(aside, forwards)

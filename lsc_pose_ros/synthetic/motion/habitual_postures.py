@@ -1,4 +1,4 @@
-"""Habitual postures: what joints do together, with some scatter."""
+"""Habitual postures: distributions of the joint angles of arms, legs or trunk."""
 
 from collections.abc import Sequence
 
@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS
-from lsc_pose_ros.synthetic.sampling import Chances
+from lsc_pose_ros.synthetic.sampling import RandomStream
 
 Posture = dict[str, tuple[float, float]]
-"""Mean and scatter of angles, degrees; an angle that is not named is 0 with a scatter of 6."""
+"""Mean and deviation of angles, degrees; angles that are not named have 0 and 6."""
 
-_LITTLE = (0.0, 6.0)
+_DEFAULT = (0.0, 6.0)
 
 HANGING: Posture = {
     'plane': (20, 30), 'elevation': (13, 5), 'axial': (-10, 20), 'elbow': (16, 10),
@@ -62,14 +62,14 @@ ARM_POSTURES: tuple[tuple[float, Posture], ...] = (
 )  # fmt: skip
 
 
-def fill(
+def sample_posture(
     angles: NDArray[np.float64],
     prefix: str,
     names: Sequence[str],
     posture: Posture,
-    chances: Chances,
+    stream: RandomStream,
 ) -> None:
-    """Set the angles called `prefix` and one of `names` as `posture` says, in place, radians."""
+    """Sample the angles called `prefix` and one of `names` from `posture`, in place, radians."""
     for name in names:
-        mean, deviation = posture.get(name, _LITTLE)
-        angles[ANGLE_NUMBERS[prefix + name]] = np.radians(chances.near(mean, deviation))
+        mean, deviation = posture.get(name, _DEFAULT)
+        angles[ANGLE_NUMBERS[prefix + name]] = np.radians(stream.normal(mean, deviation))

@@ -1,6 +1,6 @@
-"""A person's pose: joint angles as clinicians measure them, within what joints allow.
+"""Joint angles of a pose by clinical convention, and the limits of the joints.
 
-All are zero in a person who stands straight with hanging arms, thumbs forwards.
+All angles are zero in a person who stands straight with hanging arms, thumbs forwards.
 """
 
 from collections.abc import Callable
@@ -26,14 +26,14 @@ ANGLES: tuple[str, ...] = TRUNK_ANGLES + tuple(
 )
 ANGLE_NUMBERS: dict[str, int] = {name: number for number, name in enumerate(ANGLES)}
 
-# Degrees. What joints allow is after the American Academy of Orthopaedic Surgeons, Joint Motion:
+# Degrees. The limits follow the American Academy of Orthopaedic Surgeons, Joint Motion:
 # Method of Measuring and Recording (1965): thoracolumbar spine 80 flexion, 25 extension, 35
 # lateral, 45 rotation; neck 45, 45, 60; shoulder 180 elevation, 60 extension, rotation 70 inwards
 # and 90 outwards; elbow 150; forearm 80 each way; wrist 80 flexion, 70 extension, 20 radial, 30
 # ulnar; fingers 90 at the knuckles; hip 120 flexion, 30 extension, 45 abduction, 30 adduction,
 # rotation 45; knee 135; ankle 20 dorsal, 50 plantar; foot 35 inversion, 15 eversion; toes 70.
-# Under the body's weight the ankle yields more, 38 (Bennell et al., 1998). `lean` and `list` tip
-# the pelvis, and with it the whole person; how far is ours.
+# Under the body's weight, the ankle allows 38 (Bennell et al., 1998). `lean` and `list` tilt the
+# pelvis and so the whole person; their limits are our choice.
 LIMITS: dict[str, tuple[float, float]] = {
     'lean': (-35, 95),  # forwards
     'list': (-20, 20),  # sideways, to the person's left
@@ -43,14 +43,14 @@ LIMITS: dict[str, tuple[float, float]] = {
     'nod': (-45, 45),
     'tilt': (-35, 35),
     'turn': (-60, 60),
-    'plane': (-90, 125),  # in which the arm rises: 0 sideways, 90 forwards
+    'plane': (-90, 125),  # the plane of elevation: 0 sideways, 90 forwards
     'elevation': (0, 172),
     'axial': (-70, 90),  # of the upper arm, outwards
     'elbow': (0, 148),
     'pronation': (-80, 80),
     'wrist_flexion': (-65, 70),
     'wrist_deviation': (-30, 20),  # to the little finger's side, and to the thumb's
-    'shrug': (-8, 20),  # beyond what the shoulder rises with the arm
+    'shrug': (-8, 20),  # added to the shoulder's rise with the arm
     'fingers': (-5, 90),  # each of the joints of a closing hand
     'hip_flexion': (-28, 120),
     'hip_abduction': (-25, 50),
@@ -61,8 +61,8 @@ LIMITS: dict[str, tuple[float, float]] = {
     'toes': (-10, 60),  # upwards
 }
 
-_BEHIND = 60.0  # how far the arm rises straight backwards, degrees
-_ACROSS = 110.0  # and across the chest
+_BEHIND = 60.0  # limit of the elevation straight backwards, degrees
+_ACROSS = 110.0  # limit across the chest, degrees
 
 
 def _slices(first: int, length: int) -> tuple[slice, slice]:
@@ -71,10 +71,10 @@ def _slices(first: int, length: int) -> tuple[slice, slice]:
 
 
 ARMS: tuple[slice, slice] = _slices(len(TRUNK_ANGLES), len(ARM_ANGLES))
-"""Where the angles of the left and of the right arm are in a pose."""
+"""The slices of the left and of the right arm's angles in a pose."""
 
 LEGS: tuple[slice, slice] = _slices(len(TRUNK_ANGLES) + len(ARM_ANGLES), len(LEG_ANGLES))
-"""Where the angles of the left and of the right leg are in a pose."""
+"""The slices of the left and of the right leg's angles in a pose."""
 
 
 def _limits() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -83,54 +83,59 @@ def _limits() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return low, high
 
 
-LOWEST, HIGHEST = _limits()
-"""The lowest and the highest value of every angle of ANGLES, radians, each (A,)."""
+LOWER_LIMITS, UPPER_LIMITS = _limits()
+"""The lower and the upper limit of each of ANGLES, radians, shape (A,) each."""
 
 
 def within_limits(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return `angles`, radians, shape (..., A), brought within what joints allow.
+    """Return `angles`, radians, shape (..., A), clipped to the limits of the joints.
 
-    How far the arm rises depends on where it rises: less behind the back and across the chest
-    than sideways and forwards.
+    The limit of the arm's elevation depends on its plane: it is lower behind the back and across
+    the chest than sideways and forwards.
     """
-    kept: NDArray[np.float64] = np.clip(angles, LOWEST, HIGHEST)
+    kept: NDArray[np.float64] = np.clip(angles, LOWER_LIMITS, UPPER_LIMITS)
     for arm in ARMS:
         plane, elevation = arm.start, arm.start + 1
-        sideways = HIGHEST[elevation]
-        most = np.interp(
+        sideways = UPPER_LIMITS[elevation]
+        highest = np.interp(
             kept[..., plane],
             np.radians([-90, 0, 90, 130]),
             [np.radians(_BEHIND), sideways, sideways, np.radians(_ACROSS)],
         )
-        kept[..., elevation] = np.minimum(kept[..., elevation], most)
+        kept[..., elevation] = np.minimum(kept[..., elevation], highest)
     return kept
 
 
 @kernel
-def highest_elevation(plane: float, sideways: float) -> float:
-    """Return how far an arm rises in a plane, if it rises so far sideways; radians."""
+def max_elevation(plane: float, sideways: float) -> float:
+    """Return the limit of an arm's elevation in a plane, given the one sideways, radians."""
     if plane < 0:
-        share = max(1 + plane / np.radians(90), 0.0)
-        return float(np.radians(_BEHIND) + share * (sideways - np.radians(_BEHIND)))
-    share = min(max(plane / np.radians(90) - 1, 0.0) * 90 / 40, 1.0)
-    return float(sideways - share * (sideways - np.radians(_ACROSS)))
+        fraction = max(1 + plane / np.radians(90), 0.0)
+        return float(np.radians(_BEHIND) + fraction * (sideways - np.radians(_BEHIND)))
+    fraction = min(max(plane / np.radians(90) - 1, 0.0) * 90 / 40, 1.0)
+    return float(sideways - fraction * (sideways - np.radians(_ACROSS)))
 
 
-def swings(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return poses, shape (..., A), in which arms have a swing instead of plane and elevation.
+def arms_to_cartesian(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return poses, shape (..., A), with plane and elevation of the arms in Cartesian form.
 
-    The swing is the elevation's parts sideways and forwards. Where the arm hangs, it has no plane,
-    and the plane leaps as the arm swings through; the swing does not.
+    The Cartesian form is elevation times cosine and sine of the plane: the parts sideways and
+    forwards. The plane is undefined and jumps when an arm swings past hanging; this form does not.
     """
-    return _swapped(angles, lambda plane, up: (up * np.cos(plane), up * np.sin(plane)))
+    return _convert_arms(angles, lambda plane, up: (up * np.cos(plane), up * np.sin(plane)))
 
 
-def planes(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return poses, shape (..., A), as they were before `swings`."""
-    return _swapped(angles, lambda left, ahead: (np.arctan2(ahead, left), np.hypot(left, ahead)))
+def arms_to_polar(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return poses, shape (..., A), with plane and elevation of the arms in polar form.
+
+    This is the inverse of `arms_to_cartesian`.
+    """
+    return _convert_arms(
+        angles, lambda left, ahead: (np.arctan2(ahead, left), np.hypot(left, ahead))
+    )
 
 
-def _swapped(
+def _convert_arms(
     angles: NDArray[np.float64],
     swap: Callable[
         [NDArray[np.float64], NDArray[np.float64]],
@@ -146,7 +151,7 @@ def _swapped(
 
 
 def mirrored(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return poses, shape (..., A), as a mirror shows them: left is right."""
+    """Return the mirror image of poses, shape (..., A): left and right are exchanged."""
     mirror = angles.copy()
     for limbs in (ARMS, LEGS):
         mirror[..., limbs[0]], mirror[..., limbs[1]] = angles[..., limbs[1]], angles[..., limbs[0]]

@@ -1,6 +1,6 @@
-"""What people do with trunk and legs: stand, step, squat, sit, kneel, kick, walk.
+"""Poses of trunk and legs: standing, stepping, squatting, sitting, kneeling, kicking, walking.
 
-Who stands keeps the centre of mass over the feet.
+Standing people keep their centre of mass above the feet.
 """
 
 from collections.abc import Callable
@@ -9,48 +9,27 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.synthetic.body.bone_rotations import (
-    Rig,
-    about_x,
-    about_z,
-    bone_heads,
-    bone_turns,
-    product,
-    turned,
+from lsc_pose_ros.synthetic.body.bone_rotations import Rig
+from lsc_pose_ros.synthetic.motion.foot_placement import (
+    FootPlacement,
+    place_feet,
+    place_under_mass,
 )
 from lsc_pose_ros.synthetic.motion.gait import stride_angles
-from lsc_pose_ros.synthetic.motion.habitual_postures import Posture, fill
-from lsc_pose_ros.synthetic.motion.inverse_kinematics import Foot, plant
+from lsc_pose_ros.synthetic.motion.habitual_postures import Posture, sample_posture
 from lsc_pose_ros.synthetic.motion.joint_angles import (
     ANGLE_NUMBERS,
     ANGLES,
     ARMS,
     LEG_ANGLES,
-    LEGS,
     TRUNK_ANGLES,
 )
-from lsc_pose_ros.synthetic.sampling import Chances
+from lsc_pose_ros.synthetic.sampling import RandomStream
 
 _Angles = NDArray[np.float64]
 
 
-class Step(NamedTuple):
-    """Where a foot is put down.
-
-    Attributes:
-        aside: outwards from the middle between the feet, in leg lengths.
-        ahead: forwards from there, in leg lengths.
-        heading: where the toes point, radians, positive to the outside.
-        pitch: how far the heel is lifted, radians.
-    """
-
-    aside: float
-    ahead: float
-    heading: float
-    pitch: float = 0.0
-
-
-_TRUNKS: tuple[tuple[float, Posture], ...] = (
+_TRUNK_POSTURES: tuple[tuple[float, Posture], ...] = (
     (0.62, {
         'lean': (1, 3), 'list': (0, 2), 'bend': (3, 7), 'side': (0, 5), 'twist': (0, 10),
         'nod': (5, 13), 'tilt': (0, 7), 'turn': (0, 24),
@@ -64,13 +43,13 @@ _TRUNKS: tuple[tuple[float, Posture], ...] = (
     (0.04, {'lean': (-8, 6), 'bend': (-12, 7), 'nod': (-10, 15), 'turn': (0, 25)}),
 )  # fmt: skip
 
-# The leg that does not stand.
-_LIFTED: tuple[tuple[float, Posture], ...] = (
-    (0.30, {  # the knee raised
+# The lifted leg of a person who stands on one leg.
+_LIFTED_LEG_POSTURES: tuple[tuple[float, Posture], ...] = (
+    (0.30, {  # knee raised
         'hip_flexion': (65, 24), 'hip_abduction': (8, 12), 'hip_rotation': (5, 14),
         'knee': (85, 26), 'ankle': (15, 12),
     }),
-    (0.20, {  # a kick
+    (0.20, {  # kick
         'hip_flexion': (58, 22), 'hip_abduction': (5, 10), 'knee': (15, 12), 'ankle': (15, 12),
     }),
     (0.16, {  # aside
@@ -80,7 +59,7 @@ _LIFTED: tuple[tuple[float, Posture], ...] = (
     (0.16, {  # behind
         'hip_flexion': (-14, 7), 'hip_abduction': (5, 6), 'knee': (55, 35), 'ankle': (20, 15),
     }),
-    (0.08, {  # the foot at the other knee
+    (0.08, {  # foot at the other knee
         'hip_flexion': (60, 12), 'hip_abduction': (36, 8), 'hip_rotation': (36, 6),
         'knee': (105, 12), 'ankle': (20, 10),
     }),
@@ -91,11 +70,11 @@ _LIFTED: tuple[tuple[float, Posture], ...] = (
 )  # fmt: skip
 
 
-class Stance(NamedTuple):
-    """What trunk and legs do.
+class BodyPose(NamedTuple):
+    """A pose and its kind.
 
     Attributes:
-        kind: 'stand', 'stoop', 'sit' or 'walk'; who walks swings the arms, others let them hang.
+        kind: 'stand', 'stoop', 'sit' or 'walk'; decides which arm gestures are likely.
         angles: in the order of ANGLES, radians, shape (A,); not always within limits.
     """
 
@@ -103,23 +82,23 @@ class Stance(NamedTuple):
     angles: _Angles
 
 
-def draw_stance(rig: Rig, chances: Chances) -> Stance:
-    """Draw what trunk and legs do.
+def sample_lower_body(rig: Rig, stream: RandomStream) -> BodyPose:
+    """Sample the pose of trunk and legs; the arms hang, or swing in a walking person.
 
     Args:
-        rig: the person's.
-        chances: the source of chance.
+        rig: the person's rig.
+        stream: the source of randomness.
     """
     angles = np.zeros(len(ANGLES))
     let_arms_hang(angles)
-    fill(angles, '', TRUNK_ANGLES, chances.choose(_TRUNKS), chances)
-    kind, take = chances.choose(_STANCES)
-    take(rig, angles, chances)
-    return Stance(kind, angles)
+    sample_posture(angles, '', TRUNK_ANGLES, stream.choose(_TRUNK_POSTURES), stream)
+    kind, sample_kind = stream.choose(_LOWER_BODY_KINDS)
+    sample_kind(rig, angles, stream)
+    return BodyPose(kind, angles)
 
 
 def let_arms_hang(angles: _Angles) -> None:
-    """Set the arms of a pose, in place, as if they hung at the sides."""
+    """Set the arms of a pose, in place, to hang at the sides."""
     for arm, prefix in zip(ARMS, ('l_', 'r_'), strict=True):
         angles[arm] = 0.0
         angles[ANGLE_NUMBERS[f'{prefix}elevation']] = np.radians(12)
@@ -130,109 +109,113 @@ def _set(angles: _Angles, **degrees: float) -> None:
         angles[ANGLE_NUMBERS[name]] = np.radians(value)
 
 
-def _at_ease(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    """Stand with the feet next to each other, the weight now and then on one leg."""
-    width = abs(chances.near(0.12, 0.05)) + 0.03
-    split = chances.near(0.0, 0.05)
-    stretch = 1 - abs(chances.near(0.0, 0.006))
-    _stand(rig, angles, (_step(width, split, chances), _step(width, -split, chances)), stretch,
-           shift=chances.near(0.0, 0.35) * width)  # fmt: skip
+def _stand_at_ease(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    """Stand with the feet side by side, sometimes with the weight on one leg."""
+    width = abs(stream.normal(0.12, 0.05)) + 0.03
+    split = stream.normal(0.0, 0.05)
+    stretch = 1 - abs(stream.normal(0.0, 0.006))
+    feet = (_foot(width, split, stream), _foot(width, -split, stream))
+    place_under_mass(rig, angles, feet, stretch, shift=stream.normal(0.0, 0.35) * width)
 
 
-def _apart(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    width = chances.between(0.15, 0.5)
-    split = chances.near(0.0, 0.1)
-    stretch = 1 - abs(chances.near(0.0, 0.02))
-    _stand(rig, angles, (_step(width, split, chances, 14), _step(width, -split, chances, 14)),
-           stretch, shift=chances.near(0.0, 0.4) * width)  # fmt: skip
+def _stand_apart(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    width = stream.between(0.15, 0.5)
+    split = stream.normal(0.0, 0.1)
+    stretch = 1 - abs(stream.normal(0.0, 0.02))
+    feet = (_foot(width, split, stream, 14), _foot(width, -split, stream, 14))
+    place_under_mass(rig, angles, feet, stretch, shift=stream.normal(0.0, 0.4) * width)
 
 
-def _stride(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    """Stand with one foot well before the other, its heel perhaps lifted."""
-    split = chances.between(0.1, 0.32)
-    width = abs(chances.near(0.08, 0.06))
-    heel = chances.between(0, 40) * chances.share()
-    stretch = 1 - abs(chances.near(0.0, 0.02))
-    _stand(rig, angles, (_step(width, split, chances), _step(width, -split, chances, 10, heel)),
-           stretch, ahead=chances.near(0.0, 0.4) * split)  # fmt: skip
+def _stand_in_stride(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    """Stand with one foot well ahead of the other, sometimes with a lifted heel."""
+    split = stream.between(0.1, 0.32)
+    width = abs(stream.normal(0.08, 0.06))
+    heel = stream.between(0, 40) * stream.uniform()
+    stretch = 1 - abs(stream.normal(0.0, 0.02))
+    feet = (_foot(width, split, stream), _foot(width, -split, stream, 10, heel))
+    place_under_mass(rig, angles, feet, stretch, ahead=stream.normal(0.0, 0.4) * split)
 
 
-def _lunge(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    split = chances.between(0.35, 0.6)
-    width = abs(chances.near(0.08, 0.06))
-    if chances.happens(0.25):  # sideways
+def _lunge(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    split = stream.between(0.35, 0.6)
+    width = abs(stream.normal(0.08, 0.06))
+    if stream.bernoulli(0.25):  # sideways
         width, split = split, width
-    heel = chances.between(20, 55)
-    stretch = chances.between(0.82, 0.98)
-    _stand(rig, angles, (_step(width, split, chances), _step(width, -split, chances, 8, heel)),
-           stretch, ahead=chances.between(-0.2, 0.5) * split)  # fmt: skip
+    heel = stream.between(20, 55)
+    stretch = stream.between(0.82, 0.98)
+    feet = (_foot(width, split, stream), _foot(width, -split, stream, 8, heel))
+    place_under_mass(rig, angles, feet, stretch, ahead=stream.between(-0.2, 0.5) * split)
 
 
-def _squat(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    """Bend both legs alike, the trunk brought forwards so that the person does not fall."""
-    stretch = 0.95 - 0.62 * chances.share()
-    lean = (1 - stretch) * chances.between(30, 75)
-    _set(angles, lean=lean, bend=chances.between(0, 30), nod=chances.near(-0.4 * lean, 12))
-    width = chances.between(0.1, 0.32)
-    split = chances.near(0.0, 0.04)
-    steps = (_step(width, split, chances, 20), _step(width, -split, chances, 20))
-    _stand(rig, angles, steps, stretch)
-
-
-def _stoop(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    """Bend down, more from the hips or more with the back."""
-    lean = chances.between(15, 85)
-    _set(angles, lean=lean, bend=chances.between(5, 55), nod=chances.near(-10, 20))
-    width = chances.between(0.06, 0.25)
-    split = chances.near(0.0, 0.12)
-    stretch = 1 - 0.35 * chances.share() ** 2
-    _stand(rig, angles, (_step(width, split, chances), _step(width, -split, chances)), stretch)
-
-
-def _one_leg(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    steps = (_step(0.0, 0.0, chances), _step(0.15, 0.0, chances))
-    _stand(rig, angles, steps, 1 - abs(chances.near(0.0, 0.02)), shift=0.02)
-    fill(angles, 'r_', LEG_ANGLES, chances.choose(_LIFTED), chances)
-
-
-def _walk(rig: Rig, angles: _Angles, chances: Chances) -> None:  # noqa: ARG001
-    running = chances.choose(((0.5, 0.0), (0.2, 0.5), (0.3, 1.0)))
-    gait = stride_angles(
-        chances.share(), running, chances.between(0.6, 1.2), np.radians(chances.near(0, 10))
+def _squat(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    """Bend both legs equally, with the trunk leaned forwards for balance."""
+    stretch = 0.95 - 0.62 * stream.uniform()
+    lean = (1 - stretch) * stream.between(30, 75)
+    _set(angles, lean=lean, bend=stream.between(0, 30), nod=stream.normal(-0.4 * lean, 12))
+    width = stream.between(0.1, 0.32)
+    split = stream.normal(0.0, 0.04)
+    feet = (
+        _foot(width, split, stream, 20),
+        _foot(width, -split, stream, 20),
     )
-    for name in TRUNK_ANGLES:  # the trunk's own scatter stays
+    place_under_mass(rig, angles, feet, stretch)
+
+
+def _stoop(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    """Bend down, from the hips or with the back."""
+    lean = stream.between(15, 85)
+    _set(angles, lean=lean, bend=stream.between(5, 55), nod=stream.normal(-10, 20))
+    width = stream.between(0.06, 0.25)
+    split = stream.normal(0.0, 0.12)
+    stretch = 1 - 0.35 * stream.uniform() ** 2
+    feet = (_foot(width, split, stream), _foot(width, -split, stream))
+    place_under_mass(rig, angles, feet, stretch)
+
+
+def _stand_on_one_leg(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    feet = (_foot(0.0, 0.0, stream), _foot(0.15, 0.0, stream))
+    place_under_mass(rig, angles, feet, 1 - abs(stream.normal(0.0, 0.02)), shift=0.02)
+    sample_posture(angles, 'r_', LEG_ANGLES, stream.choose(_LIFTED_LEG_POSTURES), stream)
+
+
+def _walk(rig: Rig, angles: _Angles, stream: RandomStream) -> None:  # noqa: ARG001
+    running = stream.choose(((0.5, 0.0), (0.2, 0.5), (0.3, 1.0)))
+    gait = stride_angles(
+        stream.uniform(), running, stream.between(0.6, 1.2), np.radians(stream.normal(0, 10))
+    )
+    for name in TRUNK_ANGLES:  # keeps half of the trunk's variation
         gait[ANGLE_NUMBERS[name]] += 0.5 * angles[ANGLE_NUMBERS[name]]
     angles[:] = gait
 
 
-def _sit(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    """Sit on whatever is so high that the hips are from knee-high to bar-stool-high."""
-    upright = chances.near(0, 1)
-    _set(angles, lean=12 * upright - 6, bend=chances.near(14 - 6 * upright, 8),
-         nod=chances.near(5, 14))  # fmt: skip
-    if chances.happens(0.2):  # forwards, elbows on the knees, say
-        _set(angles, lean=chances.between(10, 40), bend=chances.between(10, 40))
+def _sit(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    """Sit on a seat between about knee height and bar-stool height."""
+    upright = stream.normal(0, 1)
+    _set(angles, lean=12 * upright - 6, bend=stream.normal(14 - 6 * upright, 8),
+         nod=stream.normal(5, 14))  # fmt: skip
+    if stream.bernoulli(0.2):  # forwards, elbows on the knees, say
+        _set(angles, lean=stream.between(10, 40), bend=stream.between(10, 40))
     length = rig.leg[0] + rig.leg[1]
-    height = rig.leg[1] * chances.between(0.82, 1.22) + rig.leg[2]
-    width = chances.between(0.03, 0.26)
+    height = rig.leg[1] * stream.between(0.82, 1.22) + rig.leg[2]
+    width = stream.between(0.03, 0.26)
     feet = []
     for _ in range(2):
-        # Feet under the knees, or drawn back, or put forwards.
-        ahead = rig.leg[0] / length + chances.near(0.02, 0.12)
-        feet.append(_step(width + chances.near(0.0, 0.03), ahead, chances, 12))
-    if chances.happens(0.6):
+        # The feet are below the knees, drawn back, or forwards.
+        ahead = rig.leg[0] / length + stream.normal(0.02, 0.12)
+        feet.append(_foot(width + stream.normal(0.0, 0.03), ahead, stream, 12))
+    if stream.bernoulli(0.6):
         feet[1] = feet[1]._replace(ahead=feet[0].ahead)
-    _plant(rig, angles, (feet[0], feet[1]), height)
-    _cross_legs(angles, chances)
+    place_feet(rig, angles, (feet[0], feet[1]), height)
+    _cross_legs(angles, stream)
 
 
-def _cross_legs(angles: _Angles, chances: Chances) -> None:
-    """Put the right leg over the left one, sometimes."""
-    way = chances.choose(((0.78, 'not'), (0.1, 'ankle'), (0.12, 'knee')))
+def _cross_legs(angles: _Angles, stream: RandomStream) -> None:
+    """Sometimes put the right leg over the left one."""
+    way = stream.choose(((0.78, 'not'), (0.1, 'ankle'), (0.12, 'knee')))
     if way == 'ankle':
-        fill(angles, 'r_', LEG_ANGLES, _ANKLE_ON_KNEE, chances)
+        sample_posture(angles, 'r_', LEG_ANGLES, _ANKLE_ON_KNEE, stream)
     elif way == 'knee':
-        fill(angles, 'r_', LEG_ANGLES, _KNEE_ON_KNEE, chances)
+        sample_posture(angles, 'r_', LEG_ANGLES, _KNEE_ON_KNEE, stream)
 
 
 _ANKLE_ON_KNEE: Posture = {
@@ -245,123 +228,52 @@ _KNEE_ON_KNEE: Posture = {
 }  # fmt: skip
 
 
-def _sit_on_floor(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    _set(angles, lean=chances.near(-8, 8), bend=chances.near(20, 10), nod=chances.near(0, 12))
+def _sit_on_floor(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    _set(angles, lean=stream.normal(-8, 8), bend=stream.normal(20, 10), nod=stream.normal(0, 12))
     height = 0.2 * rig.leg[0] + 0.06 * (rig.leg[0] + rig.leg[1])
-    if chances.happens(0.4):  # cross-legged
+    if stream.bernoulli(0.4):  # cross-legged
         for side in ('l_', 'r_'):
-            _set(angles, **{f'{side}hip_flexion': chances.near(95, 6),
-                            f'{side}hip_abduction': chances.near(42, 4),
-                            f'{side}hip_rotation': chances.near(40, 4),
-                            f'{side}knee': chances.near(120, 8), f'{side}ankle': 20})  # fmt: skip
-        _set(angles, r_hip_flexion=chances.near(108, 5))
+            _set(angles, **{f'{side}hip_flexion': stream.normal(95, 6),
+                            f'{side}hip_abduction': stream.normal(42, 4),
+                            f'{side}hip_rotation': stream.normal(40, 4),
+                            f'{side}knee': stream.normal(120, 8), f'{side}ankle': 20})  # fmt: skip
+        _set(angles, r_hip_flexion=stream.normal(108, 5))
         return
-    feet = [_step(chances.between(0.06, 0.3), chances.between(0.5, 0.97), chances, 8)
+    feet = [_foot(stream.between(0.06, 0.3), stream.between(0.5, 0.97), stream, 8)
             for _ in range(2)]  # fmt: skip
-    _plant(rig, angles, (feet[0], feet[1]), height)
+    place_feet(rig, angles, (feet[0], feet[1]), height)
 
 
-def _kneel(rig: Rig, angles: _Angles, chances: Chances) -> None:
-    """Kneel on the right knee, the left foot put forwards, or on both knees."""
+def _kneel(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    """Kneel on the right knee with the left foot ahead, or on both knees."""
     height = rig.leg[0] + 0.12 * rig.leg[0]
     length = rig.leg[0] + rig.leg[1]
-    both = chances.happens(0.4)
-    thigh = chances.near(2, 6) + (chances.between(0, 45) if both else 0.0)
+    both = stream.bernoulli(0.4)
+    thigh = stream.normal(2, 6) + (stream.between(0, 45) if both else 0.0)
     lean = np.degrees(angles[ANGLE_NUMBERS['lean']])
-    step = _step(0.1, rig.leg[0] / length + chances.near(0.0, 0.08), chances, 8)
-    _plant(rig, angles, (step, step), height)
+    placement = _foot(0.1, rig.leg[0] / length + stream.normal(0.0, 0.08), stream, 8)
+    place_feet(rig, angles, (placement, placement), height)
     for side in ('l_', 'r_') if both else ('r_',):
         _set(angles, **{f'{side}hip_flexion': lean + thigh,
-                        f'{side}hip_abduction': chances.near(7, 4),
+                        f'{side}hip_abduction': stream.normal(7, 4),
                         f'{side}hip_rotation': 0.0, f'{side}knee': 88 + thigh,
-                        f'{side}ankle': chances.between(-25, 45)})  # fmt: skip
+                        f'{side}ankle': stream.between(-25, 45)})  # fmt: skip
 
 
-_STANCES: tuple[tuple[float, tuple[str, Callable[[Rig, _Angles, Chances], None]]], ...] = (
-    (0.40, ('stand', _at_ease)), (0.09, ('stand', _apart)), (0.08, ('stand', _stride)),
-    (0.06, ('stand', _lunge)), (0.07, ('stand', _squat)), (0.06, ('stoop', _stoop)),
-    (0.07, ('stand', _one_leg)), (0.07, ('walk', _walk)), (0.07, ('sit', _sit)),
-    (0.012, ('sit', _sit_on_floor)), (0.018, ('stand', _kneel)),
+_Sampler = Callable[[Rig, _Angles, RandomStream], None]
+
+_LOWER_BODY_KINDS: tuple[tuple[float, tuple[str, _Sampler]], ...] = (
+    (0.40, ('stand', _stand_at_ease)), (0.09, ('stand', _stand_apart)),
+    (0.08, ('stand', _stand_in_stride)), (0.06, ('stand', _lunge)), (0.07, ('stand', _squat)),
+    (0.06, ('stoop', _stoop)), (0.07, ('stand', _stand_on_one_leg)), (0.07, ('walk', _walk)),
+    (0.07, ('sit', _sit)), (0.012, ('sit', _sit_on_floor)), (0.018, ('stand', _kneel)),
 )  # fmt: skip
 
 
-def _step(
-    aside: float, ahead: float, chances: Chances, heading: float = 8.0, heel: float = 0.0
-) -> Step:
-    """Return a step with toes turned out about `heading` and heel lifted by `heel`, degrees."""
-    return Step(aside, ahead, float(np.radians(chances.near(heading, 8))), float(np.radians(heel)))
-
-
-def _stand(
-    rig: Rig,
-    angles: _Angles,
-    steps: tuple[Step, Step],
-    stretch: float,
-    *,
-    shift: float = 0.0,
-    ahead: float = 0.0,
-) -> None:
-    """Put both feet down under the centre of mass.
-
-    Args:
-        rig: the person's.
-        angles: the trunk's are taken as they are, the legs' set.
-        steps: where, from the point under the centre of mass.
-        stretch: how long the straighter leg is between hip and ankle, 1 if it is straight.
-        shift: how far the centre of mass is to the left of the middle, in leg lengths.
-        ahead: how far before the middle, in leg lengths.
-    """
-    length = rig.leg[0] + rig.leg[1]
-    aside, forwards = _centre_of_mass(rig, angles) / length - (shift, ahead)
-    left, right = steps
-    moved = (
-        left._replace(aside=left.aside + aside, ahead=left.ahead + forwards),
-        right._replace(aside=right.aside - aside, ahead=right.ahead + forwards),
+def _foot(
+    aside: float, ahead: float, stream: RandomStream, heading: float = 8.0, heel: float = 0.0
+) -> FootPlacement:
+    """Return a placement, toes out by about `heading`, heel lifted by `heel`, degrees."""
+    return FootPlacement(
+        aside, ahead, float(np.radians(stream.normal(heading, 8))), float(np.radians(heel))
     )
-    pelvis = _pelvis_turn(angles)
-    heights = []
-    for step, sign in zip(moved, (1.0, -1.0), strict=True):
-        hip = turned(pelvis, rig.hip * np.array([sign, 1.0, 1.0]))
-        off = np.hypot(sign * step.aside * length - hip[0], step.ahead * length - hip[2])
-        below = np.sqrt(max((stretch * length) ** 2 - off**2, (0.3 * length) ** 2))
-        heights.append(below + _ankle_height(rig, step) - hip[1])
-    _plant(rig, angles, moved, min(heights))
-
-
-def _plant(rig: Rig, angles: _Angles, steps: tuple[Step, Step], height: float) -> None:
-    """Put both feet down on a floor that is `height` under the pelvis, metres."""
-    length = rig.leg[0] + rig.leg[1]
-    pelvis = _pelvis_turn(angles)
-    for side, (step, sign) in enumerate(zip(steps, (1.0, -1.0), strict=True)):
-        ankle = np.array(
-            [sign * step.aside * length, _ankle_height(rig, step) - height, step.ahead * length]
-        )
-        foot = Foot(ankle, step.heading, step.pitch)
-        angles[LEGS[side]] = plant(rig, pelvis, foot, right=side == 1)
-
-
-def _ankle_height(rig: Rig, step: Step) -> float:
-    return float(rig.leg[2] + np.sin(step.pitch) * rig.leg[3])
-
-
-def _pelvis_turn(angles: _Angles) -> NDArray[np.float64]:
-    lean, tip = angles[ANGLE_NUMBERS['lean']], angles[ANGLE_NUMBERS['list']]
-    return product(about_z(-tip), about_x(lean))
-
-
-# Shares of the body's mass (Winter, Biomechanics and Motor Control of Human Movement, 2009).
-_TRUNK_MASS, _HEAD_MASS, _ARMS_MASS, _LEGS_MASS = 0.497, 0.081, 0.1, 0.322
-_LEG_CENTRE = 0.4  # where the mass of a leg is between hip and foot, shares of the way
-
-
-def _centre_of_mass(rig: Rig, angles: _Angles) -> NDArray[np.float64]:
-    """Return where feet have to be, to the left and forwards of the pelvis, metres, shape (2,).
-
-    Legs whose feet are off the pelvis by c have their mass off by 0.4 c, so the whole body's is
-    c = m_upper u + m_legs 0.4 c off.
-    """
-    turns = bone_turns(angles, rig.straight, rig.parts)
-    heads = bone_heads(turns, rig.parents, rig.heads)[:, [0, 2]]
-    neck, head, chest = (heads[rig.numbers[name]] for name in ('neck01', 'head', 'spine01'))
-    moment = _TRUNK_MASS * 0.5 * neck + _HEAD_MASS * head + _ARMS_MASS * chest
-    return np.asarray(moment / (1 - _LEGS_MASS * _LEG_CENTRE))

@@ -1,64 +1,76 @@
-"""Whole poses: trunk and legs, then what the arms do, clear of each other."""
+"""Whole-body poses: the lower body, then arm gestures without self-collision."""
 
 import numpy as np
 
-from lsc_pose_ros.synthetic.body.self_collision import DEEPEST, Mannequin, deepest_overlap
-from lsc_pose_ros.synthetic.motion.arm_gestures import draw_arms
+from lsc_pose_ros.synthetic.body.self_collision import (
+    MAX_PENETRATION,
+    CollisionBody,
+    deepest_penetration,
+)
+from lsc_pose_ros.synthetic.motion.arm_gestures import sample_arms
 from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS, ARMS, mirrored, within_limits
-from lsc_pose_ros.synthetic.motion.lower_body_poses import Stance, draw_stance, let_arms_hang
-from lsc_pose_ros.synthetic.sampling import Chances
+from lsc_pose_ros.synthetic.motion.lower_body_poses import (
+    BodyPose,
+    let_arms_hang,
+    sample_lower_body,
+)
+from lsc_pose_ros.synthetic.sampling import RandomStream
 
 _TRIES = 3  # for the arms of one stance
 
 
-def draw_pose(mannequin: Mannequin, chances: Chances) -> Stance:
-    """Draw a pose within what joints allow.
+def sample_pose(collision_body: CollisionBody, stream: RandomStream) -> BodyPose:
+    """Sample a pose within the limits of the joints.
 
-    Limbs may still go through the body, now and then: see `deepest_overlap`.
+    In a few poses limbs still penetrate the body; see `deepest_penetration`.
 
     Args:
-        mannequin: the person's bones and flesh.
-        chances: the source of chance.
+        collision_body: the person's rig and capsules.
+        stream: the source of randomness.
     """
-    is_mirrored = chances.happens(0.5)
-    pose = _with_arms(mannequin, draw_stance(mannequin.rig, chances), chances)
+    is_mirrored = stream.bernoulli(0.5)
+    pose = _with_arms(collision_body, sample_lower_body(collision_body.rig, stream), stream)
     return pose._replace(angles=mirrored(pose.angles)) if is_mirrored else pose
 
 
-def draw_gesture(mannequin: Mannequin, before: Stance, chances: Chances) -> Stance:
-    """Draw what the arms may do next; legs stay, the trunk moves little, half the time one arm.
+def sample_gesture(
+    collision_body: CollisionBody, before: BodyPose, stream: RandomStream
+) -> BodyPose:
+    """Sample the next gesture: the legs stay, the trunk moves little, half the time one arm stays.
 
     Args:
-        mannequin: the person's bones and flesh.
-        before: the pose before.
-        chances: the source of chance.
+        collision_body: the person's rig and capsules.
+        before: the previous pose.
+        stream: the source of randomness.
     """
     angles = before.angles.copy()
     let_arms_hang(angles)
     for name in ('bend', 'side', 'twist', 'nod', 'tilt', 'turn'):
-        angles[ANGLE_NUMBERS[name]] += np.radians(chances.near(0, 6))
-    kept = chances.choose(((0.5, None), (0.25, 0), (0.25, 1)))
+        angles[ANGLE_NUMBERS[name]] += np.radians(stream.normal(0, 6))
+    kept = stream.choose(((0.5, None), (0.25, 0), (0.25, 1)))
     kind = 'stand' if before.kind == 'walk' else before.kind
-    pose = _with_arms(mannequin, Stance(kind, angles), chances)
+    pose = _with_arms(collision_body, BodyPose(kind, angles), stream)
     if kept is not None:
         pose.angles[ARMS[kept]] = before.angles[ARMS[kept]]
     return pose
 
 
-def overlap(mannequin: Mannequin, pose: Stance) -> float:
-    """Return how deep a pose's limbs go through the body, metres.
+def pose_penetration(collision_body: CollisionBody, pose: BodyPose) -> float:
+    """Return how deep a pose's limbs penetrate the body, metres.
 
-    It is rounded, so that the last bits, which differ between libraries, do not choose poses.
+    It is rounded, so that the last bits, which differ between libraries, do not decide.
     """
-    return round(float(deepest_overlap(mannequin, pose.angles[None])[0]), 6)
+    return round(float(deepest_penetration(collision_body, pose.angles[None])[0]), 6)
 
 
-def _with_arms(mannequin: Mannequin, stance: Stance, chances: Chances) -> Stance:
-    """Return `stance` with what the arms do; of several, the first that is clear of the body."""
+def _with_arms(
+    collision_body: CollisionBody, lower_body: BodyPose, stream: RandomStream
+) -> BodyPose:
+    """Return `lower_body` with the first of a few arm gestures that has no self-collision."""
     for _ in range(_TRIES):
-        pose = stance._replace(angles=within_limits(stance.angles))
-        draw_arms(mannequin, pose, chances)
+        pose = lower_body._replace(angles=within_limits(lower_body.angles))
+        sample_arms(collision_body, pose, stream)
         pose = pose._replace(angles=within_limits(pose.angles))
-        if overlap(mannequin, pose) <= DEEPEST:
+        if pose_penetration(collision_body, pose) <= MAX_PENETRATION:
             break
     return pose

@@ -1,1 +1,1 @@
-"""Room, placement of the people, and rendering."""
+"""Placement of people and camera, the room, and rendering."""

@@ -1,7 +1,8 @@
-"""Draws meshes into a depth image and a mask: a z-buffer.
+"""Renders meshes to a depth image and labels with a z-buffer.
 
-A pixel shows the nearest triangle that holds its centre. Corners are rounded to 1/256 pixel, so
-the test is exact in integers: no gaps between neighbours, and the same pixels on every machine.
+A pixel shows the nearest triangle that contains its centre. Corners are rounded to 1/256 pixel,
+which makes the test exact in integers: there are no gaps between adjacent triangles, and all
+machines render the same pixels.
 """
 
 from collections.abc import Sequence
@@ -13,25 +14,25 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.numerics.jit import exact_kernel
-from lsc_pose_ros.synthetic.scene.image import Image
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
 
-PARTS = 256
-"""Of a pixel, to which corners are rounded."""
+SUBPIXELS = 256
+"""Corners are rounded to this fraction of a pixel."""
 
 NEAREST = 0.05
-"""A triangle with a corner closer to the camera's plane than this is not drawn, metres."""
+"""Triangles with a corner nearer to the camera's plane are not drawn, metres."""
 
-_FARTHEST_PIXEL = 1 << 20
-"""A triangle with a corner so far outside the image is not drawn: its products would overflow."""
+_MAX_PIXEL = 1 << 20
+"""Triangles with a corner farther outside are not drawn, because products would overflow."""
 
 
-class Mesh(NamedTuple):
-    """One body's surface before the camera.
+class RenderMesh(NamedTuple):
+    """One body's surface in front of the camera.
 
     Attributes:
         vertices: in the optical frame, metres, shape (V, 3).
-        triangles: numbers of vertices, shape (T, 3); both sides are seen.
-        body: its number.
+        triangles: numbers of vertices, shape (T, 3); both sides are visible.
+        body: the body's number.
     """
 
     vertices: NDArray[np.float64]
@@ -39,8 +40,10 @@ class Mesh(NamedTuple):
     body: int
 
 
-def render_meshes(meshes: Sequence[Mesh], camera: Intrinsics, width: int, height: int) -> Image:
-    """Draw `meshes`; the nearest surface hides what is behind it.
+def render_meshes(
+    meshes: Sequence[RenderMesh], camera: Intrinsics, width: int, height: int
+) -> DepthImage:
+    """Render `meshes`; the nearest surface hides those behind it.
 
     Args:
         meshes: the bodies.
@@ -49,20 +52,22 @@ def render_meshes(meshes: Sequence[Mesh], camera: Intrinsics, width: int, height
         height: of the image, pixels.
 
     Returns:
-        Depth, 0 where there is nothing, and mask.
+        Depth, 0 in empty pixels, and labels.
     """
     depth = np.full((height, width), np.inf, np.float32)
     labels = np.full((height, width), NO_BODY, np.int32)
     for mesh in meshes:
         corners = project_corners(mesh.vertices, camera)
-        draw_triangles(mesh.triangles, corners, mesh.vertices, mesh.body, Image(depth, labels))
+        draw_triangles(
+            mesh.triangles, corners, mesh.vertices, mesh.body, DepthImage(depth, labels)
+        )
     depth[np.isinf(depth)] = 0.0
-    return Image(depth, labels)
+    return DepthImage(depth, labels)
 
 
 @exact_kernel
 def project_corners(vertices: NDArray[np.float64], camera: Intrinsics) -> NDArray[np.int64]:
-    """Return columns and rows in PARTS of a pixel, and 1 where they can be drawn, (V, 3)."""
+    """Return columns and rows in 1/SUBPIXELS, and 1 if the vertex can be drawn, shape (V, 3)."""
     corners = np.zeros((len(vertices), 3), np.int64)
     for vertex in range(len(vertices)):
         z = vertices[vertex, 2]
@@ -70,9 +75,9 @@ def project_corners(vertices: NDArray[np.float64], camera: Intrinsics) -> NDArra
             continue
         column = camera.cx + camera.fx * vertices[vertex, 0] / z
         row = camera.cy + camera.fy * vertices[vertex, 1] / z
-        if abs(column) < _FARTHEST_PIXEL and abs(row) < _FARTHEST_PIXEL:
-            corners[vertex, 0] = int(np.floor(column * PARTS + 0.5))
-            corners[vertex, 1] = int(np.floor(row * PARTS + 0.5))
+        if abs(column) < _MAX_PIXEL and abs(row) < _MAX_PIXEL:
+            corners[vertex, 0] = int(np.floor(column * SUBPIXELS + 0.5))
+            corners[vertex, 1] = int(np.floor(row * SUBPIXELS + 0.5))
             corners[vertex, 2] = 1
     return corners
 
@@ -83,11 +88,11 @@ def draw_triangles(
     corners: NDArray[np.int64],
     vertices: NDArray[np.float64],
     body: int,
-    image: Image,
+    image: DepthImage,
 ) -> None:
-    """Draw triangles into `image`, whose depth is infinite where it is empty.
+    """Draw triangles into `image`, whose depth is infinite in empty pixels.
 
-    On a plane 1/z is linear in the image: 1/z = sum_i w_i / z_i, w the barycentric weights.
+    On a plane, 1/z is linear in the image: 1/z = sum_i w_i / z_i with the barycentric weights w.
     """
     height, width = image.depth.shape
     for triangle in range(len(triangles)):
@@ -96,11 +101,11 @@ def draw_triangles(
             continue
         ax, ay, bx, by = corners[a, 0], corners[a, 1], corners[b, 0], corners[b, 1]
         cx, cy = corners[c, 0], corners[c, 1]
-        # Most triangles are small and lie between the centres of pixels.
-        left = max(-(-min(ax, bx, cx) // PARTS), 0)
-        right = min(max(ax, bx, cx) // PARTS, width - 1)
-        top = max(-(-min(ay, by, cy) // PARTS), 0)
-        bottom = min(max(ay, by, cy) // PARTS, height - 1)
+        # Most triangles are small and contain no centre of a pixel.
+        left = max(-(-min(ax, bx, cx) // SUBPIXELS), 0)
+        right = min(max(ax, bx, cx) // SUBPIXELS, width - 1)
+        top = max(-(-min(ay, by, cy) // SUBPIXELS), 0)
+        bottom = min(max(ay, by, cy) // SUBPIXELS, height - 1)
         if left > right or top > bottom:
             continue
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
@@ -113,9 +118,9 @@ def draw_triangles(
         inverse_b = 1.0 / (area * vertices[b, 2])
         inverse_c = 1.0 / (area * vertices[c, 2])
         for row in range(top, bottom + 1):
-            y = row * PARTS
+            y = row * SUBPIXELS
             for column in range(left, right + 1):
-                x = column * PARTS
+                x = column * SUBPIXELS
                 of_a = (cx - bx) * (y - by) - (cy - by) * (x - bx)
                 of_b = (ax - cx) * (y - cy) - (ay - cy) * (x - cx)
                 of_c = (bx - ax) * (y - ay) - (by - ay) * (x - ax)

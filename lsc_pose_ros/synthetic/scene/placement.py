@@ -1,4 +1,4 @@
-"""Where camera and people are: people on one floor, in full view, not touching one another."""
+"""Placement of camera and people: people stand on one floor, in full view, without contact."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -9,86 +9,90 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.errors import InputError
 
-MARGIN = 3.0
-"""Pixels that stay free between a person in full view and the image's edge."""
+IMAGE_MARGIN = 3.0
+"""Minimum distance between a person in full view and the image edge, pixels."""
 
-GAP = 0.05
-"""Metres that stay free between two people."""
+PEOPLE_GAP = 0.05
+"""Minimum distance between two people, metres."""
 
-_TRIES = 200  # heights and tilts of the camera
-_PLACES = 8  # for each person with each
-_APART = np.radians(9.0)  # bearings of any two people differ by this, so that none is all hidden
+_TRIES = 200  # heights and tilts of the camera that are tried
+_POSITIONS = 8  # positions that are tried per person and try
+_MIN_BEARING_DIFFERENCE = np.radians(
+    9.0
+)  # bearings of any two people differ by this, so that none is all hidden
 
-# Horizontal directions in which people are held apart.
+# Horizontal directions of the planes that separate people.
 _ANGLES = np.arange(16) * (np.pi / 8)
-_ASIDE = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
+_DIRECTIONS = np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
 
 
-class Actor(NamedTuple):
+class PersonExtent(NamedTuple):
     """The outermost points of a person in T frames.
 
-    In a level frame at the floor under the person's pelvis: x right, y down, z away from the
-    camera.
+    The frame is level with its origin on the floor below the person's pelvis: x right, y down, z
+    away from the camera.
 
     Attributes:
         points: of the skin, metres, shape (T, P, 3).
-        trunk: the middle of the trunk, which stays in view of who may be cropped, (T, 3).
+        trunk: the middle of the trunk, which is always in view, metres, shape (T, 3).
     """
 
     points: NDArray[np.float64]
     trunk: NDArray[np.float64]
 
 
-class Stage(NamedTuple):
-    """The camera's tilt, and where the N people stand.
+class ScenePlacement(NamedTuple):
+    """The camera's tilt and the positions of N people.
 
     Attributes:
-        tilt: from the level frame into the camera's, shape (3, 3).
-        offsets: each person's origin in the level frame at the camera, metres, shape (N, 3); y is
-            the camera's height over the floor.
+        tilt: rotation from the level frame to the camera's frame, shape (3, 3).
+        positions: each person's origin in the level frame at the camera, metres, shape (N, 3); y
+            is the camera's height above the floor.
     """
 
     tilt: NDArray[np.float64]
-    offsets: NDArray[np.float64]
+    positions: NDArray[np.float64]
 
 
-class View(NamedTuple):
-    """What the camera is to see, and from where.
+class CameraConstraints(NamedTuple):
+    """Camera and constraints of the placement.
 
     Attributes:
         camera: the intrinsics.
         width: of the image, pixels.
         height: of the image, pixels.
-        distance: the nearest and the farthest that a person stands, metres.
-        above: the lowest and the highest that the camera is over the floor, metres.
-        tilt: by how little and by how much it looks down, radians; negative is up.
-        cropped: only the trunk has to be in view.
+        distance: smallest and largest distance of a person, metres.
+        camera_height: smallest and largest height above the floor, metres.
+        tilt: smallest and largest downward tilt, radians; negative is upward.
+        cropped: whether only the trunk has to be in view.
     """
 
     camera: Intrinsics
     width: int
     height: int
     distance: tuple[float, float]
-    above: tuple[float, float]
+    camera_height: tuple[float, float]
     tilt: tuple[float, float]
     cropped: bool
 
 
-def set_stage(actors: Sequence[Actor], view: View, random: np.random.Generator) -> Stage:
-    """Draw where the camera is and where `actors` stand.
+def sample_placement(
+    people: Sequence[PersonExtent], constraints: CameraConstraints, random: np.random.Generator
+) -> ScenePlacement:
+    """Sample the camera's height and tilt and the positions of `people`.
 
     Raises:
-        InputError: no place is found for them.
+        InputError: no placement is found.
     """
-    framed = [_framed(actor, view) for actor in actors]
-    reaches = [_reach(actor.points) for actor in actors]
-    # Each try has its own chances, so that it does not depend on how the others ended.
-    for chances in random.random((_TRIES, 1 + len(actors) * _PLACES, 2)):
-        stage = _try_stage(framed, reaches, view, chances)
-        if stage is not None:
-            return stage
-    near, far = view.distance
-    who = 'a person' if len(actors) == 1 else f'{len(actors)} people'
+    required_points = [_points_in_view(person, constraints) for person in people]
+    extents = [_extents(person.points) for person in people]
+    # Each try has its own random numbers, so that it does not depend on the previous ones.
+    for uniforms in random.random((_TRIES, 1 + len(people) * _POSITIONS, 2)):
+        placement = _try_placement(required_points, extents, constraints, uniforms)
+        if placement is not None:
+            return placement
+    near, far = constraints.distance
+    who = 'a person' if len(people) == 1 else f'{len(people)} people'
     msg = (
         f'no place found for {who} in full view between {near:g} and {far:g} m; allow a larger '
         f"distance or field of view, more of the camera's heights and tilts, fewer or smaller "
@@ -97,66 +101,71 @@ def set_stage(actors: Sequence[Actor], view: View, random: np.random.Generator) 
     raise InputError(msg)
 
 
-def tilt_matrix(angle: float) -> NDArray[np.float64]:
-    """Return the turn from a level frame into that of a camera that looks down by `angle`."""
+def tilt_rotation(angle: float) -> NDArray[np.float64]:
+    """Return the rotation from a level frame to that of a camera that looks down by `angle`."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]])
 
 
-def _try_stage(
-    framed: list[NDArray[np.float64]],
-    reaches: list[NDArray[np.float64]],
-    view: View,
-    chances: NDArray[np.float64],
-) -> Stage | None:
-    tilt = tilt_matrix(_between(view.tilt, chances[0, 0]))
-    height = _between(view.above, chances[0, 1])
-    offsets: list[NDArray[np.float64]] = []
-    for person, points in enumerate(framed):
-        edge = _Edge(points, tilt, view)
-        near, far = edge.distances(height, view.distance)
+def _try_placement(
+    required_points: list[NDArray[np.float64]],
+    extents: list[NDArray[np.float64]],
+    constraints: CameraConstraints,
+    uniforms: NDArray[np.float64],
+) -> ScenePlacement | None:
+    tilt = tilt_rotation(_interpolate(constraints.tilt, uniforms[0, 0]))
+    height = _interpolate(constraints.camera_height, uniforms[0, 1])
+    positions: list[NDArray[np.float64]] = []
+    for person, points in enumerate(required_points):
+        edge = _ImageFrustum(points, tilt, constraints)
+        near, far = edge.distances(height, constraints.distance)
         if near > far:
             return None
-        for sideways, away in chances[1 + person * _PLACES :][:_PLACES]:
-            distance = _between((near, far), away)
+        for sideways, away in uniforms[1 + person * _POSITIONS :][:_POSITIONS]:
+            distance = _interpolate((near, far), away)
             left, right = edge.sideways(height, distance)
-            offset = np.array([_between((left, right), sideways), height, distance])
-            if left <= right and _is_apart(reaches, offsets, offset):
-                offsets.append(offset)
+            position = np.array([_interpolate((left, right), sideways), height, distance])
+            if left <= right and _is_free(extents, positions, position):
+                positions.append(position)
                 break
         else:
             return None
-    return Stage(tilt, np.array(offsets))
+    return ScenePlacement(tilt, np.array(positions))
 
 
-def _between(ends: tuple[float, float], chance: float) -> float:
-    return float(ends[0] + (ends[1] - ends[0]) * chance)
+def _interpolate(ends: tuple[float, float], fraction: float) -> float:
+    return float(ends[0] + (ends[1] - ends[0]) * fraction)
 
 
-class _Edge:
-    """The four planes through the camera and the image's edges, held against one person.
+class _ImageFrustum:
+    """The four planes through the camera and the image edges, tested against one person.
 
-    A point p is on the inner side of the plane with normal n where n . p <= 0. In the level
-    frame, with the person moved by (X, h, Z), this is linear in X, h and Z.
+    A point p is on the inner side of the plane with normal n if n . p <= 0. In the level frame,
+    with the person at (X, h, Z), this is linear in X, h and Z.
     """
 
-    def __init__(self, points: NDArray[np.float64], tilt: NDArray[np.float64], view: View) -> None:
-        camera = view.camera
-        free = 0.0 if view.cropped else MARGIN
-        left = (camera.cx - free) / camera.fx
-        right = (view.width - 1 - free - camera.cx) / camera.fx
-        top = (camera.cy - free) / camera.fy
-        bottom = (view.height - 1 - free - camera.cy) / camera.fy
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        tilt: NDArray[np.float64],
+        constraints: CameraConstraints,
+    ) -> None:
+        camera = constraints.camera
+        margin = 0.0 if constraints.cropped else IMAGE_MARGIN
+        left = (camera.cx - margin) / camera.fx
+        right = (constraints.width - 1 - margin - camera.cx) / camera.fx
+        top = (camera.cy - margin) / camera.fy
+        bottom = (constraints.height - 1 - margin - camera.cy) / camera.fy
         normals = np.array([[-1, 0, -left], [1, 0, -right], [0, -1, -top], [0, 1, -bottom]])
         # n . (R p) = (R^T n) . p
         self.normals = normals @ tilt
-        self.reach = (points @ self.normals.T).max(axis=0)
+        self.extent = (points @ self.normals.T).max(axis=0)
 
     def distances(self, height: float, within: tuple[float, float]) -> tuple[float, float]:
-        """Return how near and how far the person fits between top and bottom of the image."""
+        """Return the nearest and the farthest distance at which the person fits vertically."""
         near, far = within
-        for normal, reach in zip(self.normals[2:], self.reach[2:], strict=True):
-            fixed, slope = reach + normal[1] * height, normal[2]
+        for normal, extent in zip(self.normals[2:], self.extent[2:], strict=True):
+            fixed, slope = extent + normal[1] * height, normal[2]
             if slope < 0:  # the farther, the better
                 near = max(near, -fixed / slope)
             elif slope > 0:
@@ -166,45 +175,45 @@ class _Edge:
         return float(near), float(far)
 
     def sideways(self, height: float, distance: float) -> tuple[float, float]:
-        """Return how far left and how far right the person may stand."""
-        moved = self.reach + self.normals @ np.array([0.0, height, distance])
+        """Return the leftmost and the rightmost position at which the person fits."""
+        moved = self.extent + self.normals @ np.array([0.0, height, distance])
         left = moved[0] / -self.normals[0, 0]
         right = -moved[1] / self.normals[1, 0]
         return float(left), float(right)
 
 
-def _framed(actor: Actor, view: View) -> NDArray[np.float64]:
-    """Return the points that have to be in view, shape (N, 3)."""
-    points = actor.points
-    if view.cropped:
+def _points_in_view(person: PersonExtent, constraints: CameraConstraints) -> NDArray[np.float64]:
+    """Return the points that must be in view, shape (N, 3)."""
+    points = person.points
+    if constraints.cropped:
         corners = np.array([(x, y, 0.0) for x in (-0.15, 0.15) for y in (-0.15, 0.15)])
-        points = actor.trunk[:, None] + corners
+        points = person.trunk[:, None] + corners
     return points.reshape(-1, 3)
 
 
-def _reach(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far a person reaches in each of the directions `_ASIDE`, shape (T, 16)."""
+def _extents(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a person's extent in each of `_DIRECTIONS`, metres, shape (T, 16)."""
     level = points[..., [0, 2]]
-    reach: NDArray[np.float64] = (level @ _ASIDE.T).max(axis=1)
-    return reach
+    extent: NDArray[np.float64] = (level @ _DIRECTIONS.T).max(axis=1)
+    return extent
 
 
-def _is_apart(
-    reaches: list[NDArray[np.float64]],
-    offsets: list[NDArray[np.float64]],
-    offset: NDArray[np.float64],
+def _is_free(
+    extents: list[NDArray[np.float64]],
+    positions: list[NDArray[np.float64]],
+    position: NDArray[np.float64],
 ) -> bool:
-    """Tell whether the next person, at `offset`, touches or stands behind none of those before.
+    """Return whether the next person, at `position`, is apart from all previous people.
 
-    Two people are apart where a vertical plane is between them.
+    Two people are apart if a vertical plane separates them and their bearings differ enough.
     """
-    opposite = (np.arange(len(_ASIDE)) + len(_ASIDE) // 2) % len(_ASIDE)
-    own = reaches[len(offsets)][:, opposite]
-    for reach, other in zip(reaches, offsets, strict=False):
-        bearings = np.arctan2([other[0], offset[0]], [other[2], offset[2]])
-        if abs(bearings[0] - bearings[1]) < _APART:
+    opposite = (np.arange(len(_DIRECTIONS)) + len(_DIRECTIONS) // 2) % len(_DIRECTIONS)
+    own = extents[len(positions)][:, opposite]
+    for extent, other in zip(extents, positions, strict=False):
+        bearings = np.arctan2([other[0], position[0]], [other[2], position[2]])
+        if abs(bearings[0] - bearings[1]) < _MIN_BEARING_DIFFERENCE:
             return False
-        gaps = _ASIDE @ (offset - other)[[0, 2]] - reach - own
-        if (gaps.max(axis=1) < GAP).any():
+        distances = _DIRECTIONS @ (position - other)[[0, 2]] - extent - own
+        if (distances.max(axis=1) < PEOPLE_GAP).any():
             return False
     return True

@@ -1,7 +1,7 @@
-"""A room about the people: floor, walls, ceiling, and boxes for furniture.
+"""A room around the people: floor, walls, ceiling, and boxes as furniture.
 
-Each is a box that stands on the floor; the room is one seen from inside. Nothing touches or hides
-a person: masks and joints are the same with and without it.
+All of them are boxes that stand on the floor; the room is a box seen from inside. Nothing touches
+or hides a person, so labels and joints are the same with and without the room.
 """
 
 import math
@@ -14,85 +14,89 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.numerics.jit import exact_kernel
-from lsc_pose_ros.synthetic.scene.image import Image
-from lsc_pose_ros.synthetic.scene.placement import Actor, Stage
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.scene.placement import PersonExtent, ScenePlacement
 
-MOST_BOXES = 8
-"""Pieces of furniture in a room."""
+MAX_BOXES = 8
+"""Maximum number of pieces of furniture."""
 
-_FREE = 0.15  # between people and whatever else, metres
-_CEILING = (2.3, 3.2)  # its height, metres
-_BEYOND = (0.2, 3.0)  # how far walls are behind people and camera, metres
-_SMALLEST = np.array([0.25, 0.3, 0.25])  # of furniture: width, height, depth, metres
-_LARGEST = np.array([1.6, 2.0, 1.0])
-_NEAREST = 0.6  # furniture's middle to the camera, metres
+_CLEARANCE = 0.15  # minimum distance between people and other things, metres
+_CEILING = (2.3, 3.2)  # range of its height, metres
+_WALL_DISTANCE = (0.2, 3.0)  # range of the distance of walls from people and camera, metres
+_MIN_SIZE = np.array([0.25, 0.3, 0.25])  # of furniture: width, height, depth, metres
+_MAX_SIZE = np.array([1.6, 2.0, 1.0])
+_MIN_CAMERA_DISTANCE = 0.6  # from the surface of furniture to the camera, metres
 
 
-class Scene(NamedTuple):
-    """What K boxes there are, in the level frame at the camera: x right, y down, z away.
+class Room(NamedTuple):
+    """K boxes in the level frame at the camera: x right, y down, z away.
 
     Attributes:
-        centres: metres, the first the room's, shape (K, 3).
-        halves: half of their sizes along their own axes, metres, shape (K, 3).
-        turns: cosine and sine of the angle by which they are turned about the vertical, (K, 2).
+        centres: metres, shape (K, 3); the first box is the room.
+        halves: half sizes along the boxes' own axes, metres, shape (K, 3).
+        rotations: cosine and sine of the boxes' rotation about the vertical axis, shape (K, 2).
     """
 
     centres: NDArray[np.float64]
     halves: NDArray[np.float64]
-    turns: NDArray[np.float64]
+    rotations: NDArray[np.float64]
 
 
-def draw_scene(actors: Sequence[Actor], stage: Stage, random: np.random.Generator) -> Scene:
-    """Draw a room that holds the camera and `actors`, and furniture aside of them."""
-    people = [
-        (actor.points + offset).reshape(-1, 3)
-        for actor, offset in zip(actors, stage.offsets, strict=True)
+def sample_room(
+    people: Sequence[PersonExtent], placement: ScenePlacement, random: np.random.Generator
+) -> Room:
+    """Sample a room that contains the camera and `people`, and furniture beside the people."""
+    points = [
+        (person.points + position).reshape(-1, 3)
+        for person, position in zip(people, placement.positions, strict=True)
     ]
-    floor = float(stage.offsets[0, 1])
-    boxes = [_draw_room(np.concatenate(people), floor, random.random(6))]
-    count = int((MOST_BOXES + 1) * random.random())
-    for number, chances in enumerate(random.random((MOST_BOXES, 6))):
-        centre, half, angle = _furniture(boxes[0], floor, chances)
-        if number < count and _is_aside(centre, half, people):
+    floor = float(placement.positions[0, 1])
+    boxes = [_sample_walls(np.concatenate(points), floor, random.random(6))]
+    count = int((MAX_BOXES + 1) * random.random())
+    for number, uniforms in enumerate(random.random((MAX_BOXES, 6))):
+        centre, half, angle = _sample_furniture(boxes[0], floor, uniforms)
+        if number < count and _is_clear(centre, half, points):
             boxes.append((centre, half, angle))
     centres, halves, angles = (np.array(field) for field in zip(*boxes, strict=True))
-    return Scene(centres, halves, np.stack([np.cos(angles), np.sin(angles)], axis=1))
+    return Room(centres, halves, np.stack([np.cos(angles), np.sin(angles)], axis=1))
 
 
-def add_scene(image: Image, scene: Scene, tilt: NDArray[np.float64], camera: Intrinsics) -> None:
-    """Draw `scene` into `image`, behind and before what is there.
+def render_room(
+    image: DepthImage, room: Room, tilt: NDArray[np.float64], camera: Intrinsics
+) -> None:
+    """Draw `room` into `image`, behind and in front of what is already drawn.
 
     Args:
         image: the people.
-        scene: the room.
-        tilt: from the level frame into the camera's, shape (3, 3).
+        room: the room.
+        tilt: rotation from the level frame to the camera's frame, shape (3, 3).
         camera: the intrinsics.
     """
-    for box in range(len(scene.centres)):
-        columns, rows = _pixels(image.depth.shape, scene, box, tilt, camera)
-        # The camera is in the room and outside of everything else.
-        draw_box(image, scene, box, np.ascontiguousarray(tilt), camera, columns, rows)
+    for box in range(len(room.centres)):
+        columns, rows = _pixels(image.depth.shape, room, box, tilt, camera)
+        # The camera is inside the room and outside all other boxes.
+        draw_box(image, room, box, np.ascontiguousarray(tilt), camera, columns, rows)
 
 
 @exact_kernel
 def draw_box(
-    image: Image,
-    scene: Scene,
+    image: DepthImage,
+    room: Room,
     box: int,
     tilt: NDArray[np.float64],
     camera: Intrinsics,
     columns: tuple[int, int],
     rows: tuple[int, int],
 ) -> None:
-    """Draw one box where it is nearer than what is there, in a range of pixels.
+    """Draw one box, in a range of pixels, if it is nearer than what is already drawn.
 
-    The ray t (x, y, 1) is between the box's two planes along an axis from t = (-half - o) / d to
-    (half - o) / d, or the other way round, with the camera at o and the ray's direction d in the
-    box's axes. It enters the box at the last of the nearer ones, and leaves it at the first of the
-    farther ones; from inside, where it leaves is seen.
+    With the camera at o and the ray's direction d in the box's axes, the ray t (x, y, 1) crosses
+    the box's two planes of an axis at t = (-half - o) / d and (half - o) / d. It enters the box at
+    the largest of the nearer crossings and leaves it at the smallest of the farther ones. From
+    inside, the point at which the ray leaves is visible.
     """
-    cosine, sine = scene.turns[box, 0], scene.turns[box, 1]
-    cx, cy, cz = -scene.centres[box, 0], -scene.centres[box, 1], -scene.centres[box, 2]
+    cosine, sine = room.rotations[box, 0], room.rotations[box, 1]
+    cx, cy, cz = -room.centres[box, 0], -room.centres[box, 1], -room.centres[box, 2]
     origin = (cosine * cx - sine * cz, cy, sine * cx + cosine * cz)
     for row in range(rows[0], rows[1]):
         y = (row - camera.cy) / camera.fy
@@ -104,62 +108,64 @@ def draw_box(
             ray = (cosine * level_x - sine * level_z, level_y, sine * level_x + cosine * level_z)
             enters, leaves = -math.inf, math.inf
             for axis in range(3):
-                half, start, way = scene.halves[box, axis], origin[axis], ray[axis]
-                if way == 0.0:
+                half, start, direction = room.halves[box, axis], origin[axis], ray[axis]
+                if direction == 0.0:
                     if abs(start) > half:
                         leaves = -math.inf
                     continue
-                first, last = (-half - start) / way, (half - start) / way
+                first, last = (-half - start) / direction, (half - start) / direction
                 enters = max(enters, min(first, last))
                 leaves = min(leaves, max(first, last))
-            seen = np.float32(enters if enters > 0.0 else leaves)
-            if enters > leaves or not seen > 0.0:
+            depth = np.float32(enters if enters > 0.0 else leaves)
+            if enters > leaves or not depth > 0.0:
                 continue
-            there = image.depth[row, column]
-            if there == 0.0 or seen < there:
-                image.depth[row, column] = seen
+            drawn = image.depth[row, column]
+            if drawn == 0.0 or depth < drawn:
+                image.depth[row, column] = depth
                 image.labels[row, column] = NO_BODY
 
 
 _Box = tuple[NDArray[np.float64], NDArray[np.float64], float]
 
 
-def _draw_room(people: NDArray[np.float64], floor: float, chances: NDArray[np.float64]) -> _Box:
-    """Return a room that holds points and the camera, the origin."""
-    angle = (chances[0] - 0.5) * np.pi / 2
-    turn = _turn(angle)
-    held = np.concatenate([people, np.zeros((1, 3))]) @ turn.T
-    free = _BEYOND[0] + (_BEYOND[1] - _BEYOND[0]) * chances[1:5]
-    low, high = held.min(axis=0), held.max(axis=0)
-    low[[0, 2]] -= free[:2]
-    high[[0, 2]] += free[2:]
-    ceiling = floor - (_CEILING[0] + (_CEILING[1] - _CEILING[0]) * chances[5])
-    low[1], high[1] = min(ceiling, low[1] - _FREE), floor
-    return turn.T @ (0.5 * (low + high)), 0.5 * (high - low), angle
+def _sample_walls(
+    points: NDArray[np.float64], floor: float, uniforms: NDArray[np.float64]
+) -> _Box:
+    """Return a room that contains `points` and the camera at the origin."""
+    angle = (uniforms[0] - 0.5) * np.pi / 2
+    rotation = _vertical_rotation(angle)
+    inside = np.concatenate([points, np.zeros((1, 3))]) @ rotation.T
+    distances = _WALL_DISTANCE[0] + (_WALL_DISTANCE[1] - _WALL_DISTANCE[0]) * uniforms[1:5]
+    low, high = inside.min(axis=0), inside.max(axis=0)
+    low[[0, 2]] -= distances[:2]
+    high[[0, 2]] += distances[2:]
+    ceiling = floor - (_CEILING[0] + (_CEILING[1] - _CEILING[0]) * uniforms[5])
+    low[1], high[1] = min(ceiling, low[1] - _CLEARANCE), floor
+    return rotation.T @ (0.5 * (low + high)), 0.5 * (high - low), angle
 
 
-def _furniture(room: _Box, floor: float, chances: NDArray[np.float64]) -> _Box:
-    """Return something that stands on the floor."""
-    half = 0.5 * (_SMALLEST + (_LARGEST - _SMALLEST) * chances[:3] ** 1.5)
-    place = room[1] * (2 * np.array([chances[3], 0.5, chances[4]]) - 1)
-    centre = room[0] + _turn(room[2]).T @ place
+def _sample_furniture(room: _Box, floor: float, uniforms: NDArray[np.float64]) -> _Box:
+    """Return a box that stands on the floor."""
+    half = 0.5 * (_MIN_SIZE + (_MAX_SIZE - _MIN_SIZE) * uniforms[:3] ** 1.5)
+    position = room[1] * (2 * np.array([uniforms[3], 0.5, uniforms[4]]) - 1)
+    centre = room[0] + _vertical_rotation(room[2]).T @ position
     centre[1] = floor - half[1]
-    return centre, half, room[2] + (chances[5] - 0.5) * np.pi / 4
+    return centre, half, room[2] + (uniforms[5] - 0.5) * np.pi / 4
 
 
-def _is_aside(
+def _is_clear(
     centre: NDArray[np.float64], half: NDArray[np.float64], people: list[NDArray[np.float64]]
 ) -> bool:
-    """Tell whether a box is clear of the camera and neither touches nor hides anybody."""
-    radius = float(np.sqrt(half[0] ** 2 + half[2] ** 2)) + _FREE
+    """Return whether a box is away from the camera and neither touches nor hides a person."""
+    radius = float(np.sqrt(half[0] ** 2 + half[2] ** 2)) + _CLEARANCE
     distance = float(np.sqrt(centre[0] ** 2 + centre[2] ** 2))
-    if distance < _NEAREST + radius:
+    if distance < _MIN_CAMERA_DISTANCE + radius:
         return False
     for points in people:
         away = np.sqrt(points[:, 0] ** 2 + points[:, 2] ** 2)
         if distance - radius > away.max():
             continue
-        # As seen from above, the person is beside the box's shadow.
+        # Seen from above, the person must be outside the angle that the box covers.
         bearings = np.arctan2(points[:, 0], points[:, 2]) - np.arctan2(centre[0], centre[2])
         wide = np.arcsin(radius / distance)
         if bearings.min() < wide and bearings.max() > -wide:
@@ -167,25 +173,25 @@ def _is_aside(
     return True
 
 
-def _turn(angle: float) -> NDArray[np.float64]:
-    """Return the turn about the vertical from the level frame into a box's axes."""
+def _vertical_rotation(angle: float) -> NDArray[np.float64]:
+    """Return the rotation about the vertical axis from the level frame to a box's axes."""
     cosine, sine = np.cos(angle), np.sin(angle)
     return np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
 
 
 def _pixels(
     shape: tuple[int, ...],
-    scene: Scene,
+    room: Room,
     box: int,
     tilt: NDArray[np.float64],
     camera: Intrinsics,
 ) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Return the columns and the rows that may show a box: the first, and one past the last."""
+    """Return the columns and the rows that can show a box: the first, and one past the last."""
     height, width = shape
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    cosine, sine = scene.turns[box]
-    turn = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
-    corners = (scene.centres[box] + (signs * scene.halves[box]) @ turn) @ tilt.T
+    cosine, sine = room.rotations[box]
+    rotation = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
+    corners = (room.centres[box] + (signs * room.halves[box]) @ rotation) @ tilt.T
     if corners[:, 2].min() < 0.1:
         return (0, width), (0, height)
     u = camera.cx + camera.fx * corners[:, 0] / corners[:, 2]

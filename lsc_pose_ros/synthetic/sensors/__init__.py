@@ -1,1 +1,1 @@
-"""Depth cameras and their noise."""
+"""Depth cameras and models of their noise."""

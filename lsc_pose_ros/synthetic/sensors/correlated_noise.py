@@ -1,4 +1,4 @@
-"""Noise that hangs together: neighbouring pixels of a sensor err alike."""
+"""Noise that is correlated between neighbouring pixels."""
 
 from typing import NamedTuple
 
@@ -8,62 +8,65 @@ from numpy.typing import NDArray
 from lsc_pose_ros.numerics.jit import exact_kernel
 
 
-class Nodes(NamedTuple):
-    """How the pixels of one axis are interpolated between the nodes of a coarse grid.
+class GridInterpolation(NamedTuple):
+    """Interpolation of the pixels of one axis between the nodes of a coarse grid.
 
     Attributes:
         first: the node before each pixel, shape (N,).
-        weights: of that node and of the next one, their squares add up to 1, shape (N, 2).
+        weights: of that node and of the next one, with a sum of squares of 1, shape (N, 2).
     """
 
     first: NDArray[np.int64]
     weights: NDArray[np.float32]
 
 
-def grain(
+def correlated_field(
     shape: tuple[int, int], spacing: float, random: np.random.Generator
 ) -> NDArray[np.float32]:
-    """Draw a field of normal noise with deviation 1 at each pixel, correlated over `spacing`.
+    """Return normal noise with deviation 1 at each pixel and a correlation length of `spacing`.
 
-    Independent values on a coarse grid at a random place, bilinear in between. With a spacing of
-    a pixel or less all pixels are independent.
+    Independent values on a coarse grid with a random offset are interpolated bilinearly. With a
+    spacing of one pixel or less, all pixels are independent.
 
     Args:
         shape: rows and columns.
         spacing: of the grid, pixels.
-        random: is asked for numbers always in the same order.
+        random: the generator; the sequence of its calls depends only on `shape` and `spacing`.
 
     Returns:
-        The field, shape `shape`.
+        The noise, shape `shape`.
     """
     if spacing <= 1:
         return random.standard_normal(shape, dtype=np.float32)
-    rows, columns = (place_nodes(count, spacing, random.random()) for count in shape)
+    rows, columns = (grid_interpolation(count, spacing, random.random()) for count in shape)
     size = rows.first[-1] + 2, columns.first[-1] + 2
     field = np.empty(shape, np.float32)
-    interpolate(random.standard_normal(size, dtype=np.float32), rows, columns, field)
+    interpolate_grid(random.standard_normal(size, dtype=np.float32), rows, columns, field)
     return field
 
 
-def place_nodes(count: int, spacing: float, offset: float) -> Nodes:
-    """Place nodes along an axis of `count` pixels; `offset` is in [0, 1) of the spacing.
+def grid_interpolation(count: int, spacing: float, offset: float) -> GridInterpolation:
+    """Return the interpolation for `count` pixels; `offset` is in [0, 1) of the spacing.
 
-    Linear interpolation would leave less noise between the nodes than at them:
-    the variance is (1 - t)² + t² there, which is divided out.
+    The variance of linear interpolation is (1 - t)² + t², less than 1 between the nodes. The
+    weights are divided by its square root.
     """
-    place = np.arange(count) / spacing + offset
-    first = np.floor(place).astype(np.int64)
-    share = place - first
-    weights = np.stack([1 - share, share], axis=1)
+    position = np.arange(count) / spacing + offset
+    first = np.floor(position).astype(np.int64)
+    probability = position - first
+    weights = np.stack([1 - probability, probability], axis=1)
     weights /= np.sqrt((weights**2).sum(axis=1, keepdims=True))
-    return Nodes(first, weights.astype(np.float32))
+    return GridInterpolation(first, weights.astype(np.float32))
 
 
 @exact_kernel
-def interpolate(
-    values: NDArray[np.float32], rows: Nodes, columns: Nodes, field: NDArray[np.float32]
+def interpolate_grid(
+    values: NDArray[np.float32],
+    rows: GridInterpolation,
+    columns: GridInterpolation,
+    field: NDArray[np.float32],
 ) -> None:
-    """Fill `field` with the values of a coarse grid, weighted bilinearly."""
+    """Fill `field` with the bilinear interpolation of the values of a coarse grid."""
     first, weights = columns
     height, width = field.shape
     for row in range(height):

@@ -1,4 +1,4 @@
-"""What the noises of all sensors need: ranges, focal lengths, slopes, the nearest pixel."""
+"""Optics that all noise models share: range, focal length, slope and nearest pixel."""
 
 import math
 from typing import NamedTuple
@@ -9,34 +9,34 @@ from numpy.typing import NDArray
 from lsc_pose_ros.numerics.jit import exact_kernel
 
 
-class Range(NamedTuple):
-    """How near and how far a sensor measures, metres."""
+class DepthRange(NamedTuple):
+    """The nearest and the farthest distance that a sensor measures, metres."""
 
     nearest: float
     farthest: float
 
 
 def focal_length(width: int, field_of_view: float) -> float:
-    """Return the focal length, pixels, of `width` pixels over a field of view in degrees."""
+    """Return the focal length, pixels, for `width` pixels and a field of view in degrees."""
     return 0.5 * width / math.tan(math.radians(0.5 * field_of_view))
 
 
 @exact_kernel
-def nearest_pixel(place: float, count: int) -> int:
-    """Return the pixel of an axis of `count` pixels that is nearest to a place."""
-    return min(max(int(np.floor(place + 0.5)), 0), count - 1)
+def nearest_pixel(position: float, count: int) -> int:
+    """Return the nearest pixel to a position on an axis of `count` pixels."""
+    return min(max(int(np.floor(position + 0.5)), 0), count - 1)
 
 
 @exact_kernel
 def slope(depth: NDArray[np.float32], row: int, column: int, focal: float) -> float:
     """Return the tangent of the angle between a surface's normal and the camera's axis.
 
-    Along each axis the smaller of the two one-sided changes of depth over the size of a pixel,
-    so a cliff beside the surface does not count, nor does an empty neighbour.
+    Along each axis, it uses the smaller of the two one-sided differences of depth. So depth edges
+    beside the surface and empty neighbours do not count.
 
     Args:
-        depth: metres, 0 where there is nothing, shape (H, W).
-        row: of a pixel that shows something.
+        depth: metres, 0 in empty pixels, shape (H, W).
+        row: of a pixel that is not empty.
         column: of that pixel.
         focal: focal length, pixels.
     """
@@ -49,7 +49,7 @@ def slope(depth: NDArray[np.float32], row: int, column: int, focal: float) -> fl
 def least_change(
     depth: NDArray[np.float32], row: int, column: int, down: int, right: int
 ) -> float:
-    """Return the smaller change of depth, metres, to the pixel before and the one after."""
+    """Return the smaller difference of depth to the previous and the next pixel, metres."""
     height, width = depth.shape
     least = math.inf
     for sign in (-1, 1):

@@ -1,25 +1,27 @@
-"""Depth cameras: their images, their ranges and their noise."""
+"""Depth cameras with image size, field of view, range and noise."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.synthetic.scene.image import Image
-from lsc_pose_ros.synthetic.sensors.optics import Range
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.sensors.optics import DepthRange
 from lsc_pose_ros.synthetic.sensors.time_of_flight import (
     AZURE,
     KINECT_V2,
     TOF,
     TimeOfFlight,
-    measure_flight,
+    apply_time_of_flight,
 )
 from lsc_pose_ros.synthetic.sensors.triangulation import (
+    apply_triangulation,
+)
+from lsc_pose_ros.synthetic.sensors.triangulation_sensors import (
     KINECT_V1,
     REALSENSE,
     ZED,
     Triangulation,
-    triangulate,
 )
 
 
@@ -27,12 +29,12 @@ class Sensor(NamedTuple):
     """A depth camera.
 
     Attributes:
-        name: its own.
+        name: of the sensor.
         width: of its image, pixels.
         height: of its image, pixels.
         field_of_view: horizontal, degrees.
-        nearest: that it measures, metres.
-        farthest: that it measures well, metres.
+        nearest: smallest distance that it measures, metres.
+        farthest: largest distance that it measures reliably, metres.
         noise: the name of its noise, one of NOISES.
     """
 
@@ -48,7 +50,7 @@ class Sensor(NamedTuple):
 SENSORS: dict[str, Sensor] = {
     sensor.name: sensor
     for sensor in (
-        # Half of 640x480, which is how its people were tracked. Range: Khoshelham, Elberink 2012.
+        # Half of 640x480, the resolution of its tracker. Range: Khoshelham, Elberink 2012.
         Sensor('kinect_v1', 320, 240, 58.5, 0.5, 5.0, 'kinect_v1'),
         # Microsoft's description: 0.5 to 4.5 m.
         Sensor('kinect_v2', 512, 424, 70.6, 0.5, 4.5, 'kinect_v2'),
@@ -74,25 +76,26 @@ _MODELS: dict[str, Triangulation | TimeOfFlight] = {
 }
 
 NOISES = (*_MODELS, 'none')
-"""Names of noises; 'none' leaves an image as it is."""
+"""Names of the noise models; 'none' leaves an image unchanged."""
 
 
-def sense(noise: str, image: Image, camera: Intrinsics, random: np.random.Generator) -> Image:
-    """Return `image` as a sensor sees it; what drops out has depth 0 and no body.
+def apply_sensor(
+    noise: str, image: DepthImage, camera: Intrinsics, random: np.random.Generator
+) -> DepthImage:
+    """Return `image` with a sensor's noise; pixels that are lost have depth 0 and no body.
 
-    A pixel's label is that of the surface that it shows.
+    A pixel's label is that of the surface that its depth shows.
 
     Args:
         noise: one of NOISES.
-        image: of any size, with or without a background (depth, but no body).
-        camera: of the image.
-        random: is asked for numbers always in the same order, so the same state gives the same
-            image.
+        image: of any size, with or without a background (depth without a body).
+        camera: the image's intrinsics.
+        random: the generator; the sequence of its calls depends only on noise and image size.
     """
     if noise == 'none':
         return image
     model, sensor = _MODELS[noise], SENSORS[noise]
-    reach = Range(sensor.nearest, sensor.farthest)
+    depth_range = DepthRange(sensor.nearest, sensor.farthest)
     if isinstance(model, Triangulation):
-        return triangulate(model, reach, image, camera, random)
-    return measure_flight(model, reach, image, camera, random)
+        return apply_triangulation(model, depth_range, image, camera, random)
+    return apply_time_of_flight(model, depth_range, image, camera, random)

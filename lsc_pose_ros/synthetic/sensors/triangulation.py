@@ -1,18 +1,19 @@
 """Noise of sensors that measure disparity: structured light, active and passive stereo.
 
-All of them see a surface from two places, one of which may be a projector, and find how far its
-image moves between them. They measure 1/z, so the error of z grows with the square of the distance
-(Khoshelham and Elberink, Accuracy and Resolution of Kinect Depth Data, Sensors 12, 2012), and
-their effects come in this order:
+These sensors see a surface from two viewpoints, one of which can be a projector, and measure the
+disparity between them. Disparity is proportional to 1/z, so the error of z grows with z²
+(Khoshelham and Elberink, Accuracy and Resolution of Kinect Depth Data, Sensors 12, 2012). The
+effects, in this order:
 
-1. What the second place cannot see is not measured: a shadow at the left of whatever stands in
-   front, for the second place is to the right. Of two cameras, the second sees none of the image's
-   left margin. What is seen at a grazing angle, is far away, or offers no texture is lost.
-2. A match is that of a whole window about a pixel. So edges waver, and where windows are large,
-   what is in front grows: edge fattening (Scharstein and Szeliski, A Taxonomy and Evaluation of
+1. Surfaces that the second viewpoint does not see are lost. Because it is to the right of the
+   camera, objects cast a shadow on their left. If it is a camera, it does not see the left margin
+   of the image. Surfaces at grazing angles, far away or without texture are also lost.
+2. Disparity is matched over a window around each pixel. So edges are displaced, and large windows
+   enlarge objects in front: edge fattening (Scharstein and Szeliski, A Taxonomy and Evaluation of
    Dense Two-Frame Stereo Correspondence Algorithms, IJCV 47, 2002, section 5).
-3. Surfaces that are not far apart are averaged over the window.
-4. Noise, alike for pixels whose windows overlap, is added to 1/z, which is rounded to a step.
+3. Surfaces at similar distances are averaged over the window.
+4. Noise is added to 1/z, correlated between pixels with overlapping windows, and the sum is
+   rounded to a step.
 """
 
 import math
@@ -24,321 +25,239 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.numerics.jit import exact_kernel
-from lsc_pose_ros.synthetic.scene.image import Image
-from lsc_pose_ros.synthetic.sensors.correlated_noise import grain
-from lsc_pose_ros.synthetic.sensors.optics import Range, focal_length, nearest_pixel, slope
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.sensors.correlated_noise import correlated_field
+from lsc_pose_ros.synthetic.sensors.optics import DepthRange, nearest_pixel, slope
+from lsc_pose_ros.synthetic.sensors.triangulation_sensors import Triangulation
 
-HALF = 0.5
-"""What a pixel shows reaches so far to either side of its centre, pixels."""
+HALF_PIXEL = 0.5
+"""Half the width of a pixel, pixels."""
 
-FADING = 0.25
-"""Beyond the range more and more is lost, all of it farther away by this share of it; ours."""
+RANGE_FADING = 0.25
+"""The loss rises from 0 at the end of the range to 1 at this fraction beyond it; our choice."""
 
-LOGISTIC = 1.702
-"""The logistic function of so many deviations is the normal distribution within 0.01."""
+LOGISTIC_SCALE = 1.702
+"""Scale at which the logistic function approximates the normal distribution within 0.01."""
 
-CERTAIN = 0.999
-"""A share of losses from here on is all."""
-
-
-class Triangulation(NamedTuple):
-    """A sensor that measures disparity; pixels are those of its own full image.
-
-    Attributes:
-        focal: focal length, pixels.
-        baseline: from the camera to the second place, on its right, metres.
-        cameras: 2, or 1 if the second place is that of a projector.
-        step: to which 1/z is rounded, 1/m.
-        deviation: of the noise of 1/z before that, 1/m.
-        window: over which this noise is alike, pixels.
-        waver: deviation of the sideways shift of edges along each axis, pixels.
-        fringe: edges grow outwards by so much on average, pixels.
-        averaging: half the width over which surfaces are averaged, pixels.
-        apart: surfaces whose 1/z differs by more are not averaged, and the nearer one grows, 1/m.
-        grazing: surfaces turned away by more than this angle are lost more and more, degrees.
-        patches: the share of surfaces that is lost anyway.
-    """
-
-    focal: float
-    baseline: float
-    cameras: int
-    step: float
-    deviation: float
-    window: float
-    waver: float
-    fringe: float
-    averaging: float
-    apart: float
-    grazing: float
-    patches: float
+MAX_PROBABILITY = 0.999
+"""Higher probabilities of loss count as 1."""
 
 
-KINECT_V1 = Triangulation(
-    focal=focal_length(640, 58.5),
-    # Khoshelham and Elberink 2012, section 3; their error of half a step, of which the
-    # rounding itself makes 1 / sqrt(12).
-    baseline=0.075,
-    cameras=1,
-    # 351.3 / z: Barron and Malik, Intrinsic Scene Properties from a Single RGB-D Image, CVPR
-    # 2013; Handa et al., A Benchmark for RGB-D Visual Odometry, 3D Reconstruction and SLAM, 2014.
-    step=1 / 351.3,
-    deviation=math.sqrt(0.5**2 - 1 / 12) / 351.3,
-    # Ours: in UTD-MHAD it is alike over 2 to 3 pixels of 320.
-    window=5.0,
-    # Nguyen, Izadi, Lovell, Modeling Kinect Sensor Noise for Improved 3D Reconstruction and
-    # Tracking, 3DIMPVT 2012: 0.8 pixels, at angles up to some 60 to 70 degrees.
-    waver=0.8,
-    fringe=0.0,
-    averaging=0.0,
-    apart=0.0,
-    grazing=70.0,
-    patches=0.0,
-)
-
-REALSENSE = Triangulation(
-    # Of a D435, from its data sheet: 87 degrees, 50 mm.
-    focal=focal_length(848, 87.0),
-    baseline=0.050,
-    cameras=2,
-    # Intel's guide (Grunnet-Jepsen, Sweetser, Woodfill, Tuning depth cameras for best
-    # performance) gives the error of z as z² subpixel / (focal baseline), its author 0.08 as the
-    # subpixel to reckon with and 0.032, a thirty-second, as the best (librealsense, issue 3904).
-    step=1 / 32 / (focal_length(848, 87.0) * 0.050),
-    deviation=0.08 / (focal_length(848, 87.0) * 0.050),
-    # Ours, all below: windows of a census transform as in Keselman et al., Intel RealSense
-    # Stereoscopic Depth Cameras, CVPR workshops 2017.
-    window=9.0,
-    waver=1.0,
-    fringe=1.5,
-    averaging=2.0,
-    apart=0.03,
-    grazing=70.0,
-    patches=0.01,
-)
-
-ZED = Triangulation(
-    # Of a ZED 2 in its mode WVGA, from its data sheet: 87 degrees, 120 mm.
-    focal=focal_length(672, 87.0),
-    baseline=0.120,
-    cameras=2,
-    # Ours: fine enough to be invisible, as depth comes in floating-point numbers.
-    step=1 / 256 / (focal_length(672, 87.0) * 0.120),
-    # The data sheet: within 1 % at 3 m and 5 % at 15 m, both of which are z² / 300 m. The same
-    # growth, with constants for each resolution, in Ortiz, Cabrera, Gonçalves, Depth Data Error
-    # Modeling of the ZED 3D Vision Sensor from Stereolabs, ELCVIA 17, 2018.
-    deviation=1 / 300,
-    # Ours, all below: passive, so windows are larger, and what has no texture is filled from
-    # its neighbours rather than lost.
-    window=16.0,
-    waver=1.5,
-    fringe=2.0,
-    averaging=4.0,
-    apart=0.06,
-    grazing=80.0,
-    patches=0.0,
-)
-
-
-class Disparities(NamedTuple):
-    """What a sensor sees on its way from distances to distances.
+class InverseDepth(NamedTuple):
+    """The inverse depth image on its way through the model.
 
     Attributes:
-        near: 1/z, 1/m; 0 where there is nothing, negative what is lost, shape (H, W).
+        inverse_depth: 1/z, 1/m; 0 in empty pixels, negative in lost ones, shape (H, W).
         labels: the body that a pixel shows, or NO_BODY, shape (H, W).
     """
 
-    near: NDArray[np.float32]
+    inverse_depth: NDArray[np.float32]
     labels: NDArray[np.int32]
 
 
-def triangulate(
+def apply_triangulation(
     sensor: Triangulation,
-    reach: Range,
-    image: Image,
+    depth_range: DepthRange,
+    image: DepthImage,
     camera: Intrinsics,
     random: np.random.Generator,
-) -> Image:
-    """Return `image` as `sensor` sees it; what it does not measure has depth 0 and no body.
+) -> DepthImage:
+    """Return `image` with the noise of `sensor`; lost pixels have depth 0 and no body.
 
     Args:
         sensor: the sensor.
-        reach: its range.
-        image: of any size; effects that are given in pixels follow the focal length.
-        camera: of the image.
-        random: is asked for numbers always in the same order.
+        depth_range: its range.
+        image: of any size; effects in pixels scale with the focal length.
+        camera: the image's intrinsics.
+        random: the generator; the sequence of its calls depends only on the image size.
     """
     shape = image.depth.shape
     scale = camera.fx / sensor.focal
     window = sensor.window * scale
-    lost = grain(shape, window, random)
-    shifts = np.stack([grain(shape, window, random) for _ in range(2)])
-    growth = grain(shape, window, random)
-    noise = grain(shape, window, random)
-    seen = Disparities(np.empty(shape, np.float32), image.labels)
-    look(image.depth, sensor, reach, camera, lost, seen.near)
-    matched = Disparities(np.empty(shape, np.float32), np.empty(shape, np.int32))
-    fringe = np.float32(sensor.fringe * scale) * (1 + np.float32(0.5) * growth)
-    match(seen, np.float32(sensor.waver * scale) * shifts, fringe, sensor.apart, matched)
-    averaged = average(matched.near, round(sensor.averaging * scale), sensor.apart)
-    noisy = Image(np.empty(shape, np.float32), matched.labels)
-    measure(averaged, noise, sensor, noisy)
+    lost_noise = correlated_field(shape, window, random)
+    shifts = np.stack([correlated_field(shape, window, random) for _ in range(2)])
+    growth = correlated_field(shape, window, random)
+    noise = correlated_field(shape, window, random)
+    visible = InverseDepth(np.empty(shape, np.float32), image.labels)
+    see_surfaces(image.depth, sensor, depth_range, camera, lost_noise, visible.inverse_depth)
+    matched = InverseDepth(np.empty(shape, np.float32), np.empty(shape, np.int32))
+    fattening = np.float32(sensor.fattening * scale) * (1 + np.float32(0.5) * growth)
+    match_windows(
+        visible,
+        np.float32(sensor.edge_jitter * scale) * shifts,
+        fattening,
+        sensor.max_difference,
+        matched,
+    )
+    averaged = average_window(
+        matched.inverse_depth, round(sensor.averaging * scale), sensor.max_difference
+    )
+    noisy = DepthImage(np.empty(shape, np.float32), matched.labels)
+    quantise(averaged, noise, sensor, noisy)
     return noisy
 
 
 @exact_kernel
-def look(
+def see_surfaces(
     depth: NDArray[np.float32],
     sensor: Triangulation,
-    reach: Range,
+    depth_range: DepthRange,
     camera: Intrinsics,
-    lost: NDArray[np.float32],
-    near: NDArray[np.float32],
+    lost_noise: NDArray[np.float32],
+    inverse_depth: NDArray[np.float32],
 ) -> None:
-    """Write 1/z, negative if it is lost to the second place, the angle, the range or by chance.
+    """Write 1/z, negative if the pixel is lost by occlusion, angle, range or dropout.
 
-    From the second place a pixel of column u is seen at u - fx baseline / z. Of two surfaces in
-    one row that it sees in another order than the camera, the farther one counts as hidden: an
-    exact shadow but for things thinner than their own, and the ordering constraint of matching.
+    The second viewpoint sees a pixel of column u at u - fx baseline / z. If it sees two surfaces
+    of a row in another order than the camera, the farther one counts as hidden. That is the exact
+    shadow except for objects that are thinner than their shadow, and the ordering constraint of
+    matching.
     """
     height, width = depth.shape
     move = camera.fx * sensor.baseline
-    steep = math.tan(math.radians(sensor.grazing))
+    steep = math.tan(math.radians(sensor.grazing_angle))
     focal = 0.5 * (camera.fx + camera.fy)
-    anyway = quantile(sensor.patches)
+    dropout_limit = normal_quantile(sensor.dropout)
     for row in range(height):
         leftmost = math.inf
         for column in range(width - 1, -1, -1):
-            near[row, column] = 0.0
+            inverse_depth[row, column] = 0.0
             z = float(depth[row, column])
             if z <= 0.0:
                 continue
-            near[row, column] = -1.0 / z
-            place = column - move / z
-            hidden = place > leftmost - HALF or (sensor.cameras == 2 and place < -HALF)
-            leftmost = min(leftmost, place)
-            if hidden or z < reach.nearest:
+            inverse_depth[row, column] = -1.0 / z
+            position = column - move / z
+            hidden = position > leftmost - HALF_PIXEL or (
+                sensor.cameras == 2 and position < -HALF_PIXEL
+            )
+            leftmost = min(leftmost, position)
+            if hidden or z < depth_range.nearest:
                 continue
-            loss = max(0.0, (z / reach.farthest - 1.0) / FADING)
+            loss = max(0.0, (z / depth_range.farthest - 1.0) / RANGE_FADING)
             tilt = slope(depth, row, column, focal)
             if tilt > steep:
                 loss += 1.0 - steep / tilt
-            below = anyway if loss == 0.0 else quantile(sensor.patches + loss)
-            if lost[row, column] >= below:
-                near[row, column] = 1.0 / z
+            below = dropout_limit if loss == 0.0 else normal_quantile(sensor.dropout + loss)
+            if lost_noise[row, column] >= below:
+                inverse_depth[row, column] = 1.0 / z
 
 
 @exact_kernel
-def quantile(share: float) -> float:
-    """Return the number below which normal noise is with a probability, all of it if near 1."""
-    if share <= 0.0:
+def normal_quantile(probability: float) -> float:
+    """Return the approximate quantile of the normal distribution; infinite near 0 and 1."""
+    if probability <= 0.0:
         return -math.inf
-    if share >= CERTAIN:
+    if probability >= MAX_PROBABILITY:
         return math.inf
-    return math.log(share / (1.0 - share)) / LOGISTIC
+    return math.log(probability / (1.0 - probability)) / LOGISTIC_SCALE
 
 
 @exact_kernel
-def match(
-    seen: Disparities,
+def match_windows(
+    visible: InverseDepth,
     shifts: NDArray[np.float32],
-    fringe: NDArray[np.float32],
-    apart: float,
-    matched: Disparities,
+    fattening: NDArray[np.float32],
+    max_difference: float,
+    matched: InverseDepth,
 ) -> None:
-    """Let edges waver and grow: each pixel shows what is aside of it, or in front beside that.
+    """Displace and grow edges: each pixel shows a displaced pixel, or a nearer one beside that.
 
     Args:
-        seen: what the sensor sees, or loses.
-        shifts: rows and columns by which each pixel looks aside, shape (2, H, W).
-        fringe: by how much an edge grows over each pixel, pixels, shape (H, W).
-        apart: by how much the 1/z of what grows is greater, 1/m.
-        matched: is filled; what is lost is nothing.
+        visible: the inverse depth that the sensor sees or loses.
+        shifts: row and column offsets of the sampled position of each pixel, shape (2, H, W).
+        fattening: growth of edges at each pixel, pixels, shape (H, W).
+        max_difference: minimum difference of 1/z of a surface that grows, 1/m.
+        matched: is filled; lost pixels are empty.
     """
-    near, labels = seen
+    inverse_depth, labels = visible
     matched_near, matched_labels = matched
-    height, width = near.shape
+    height, width = inverse_depth.shape
     for row in range(height):
         for column in range(width):
             at_row = nearest_pixel(row + shifts[0, row, column], height)
             at_column = nearest_pixel(column + shifts[1, row, column], width)
-            best = near[at_row, at_column]
+            best = inverse_depth[at_row, at_column]
             label = labels[at_row, at_column]
-            radius = int(np.floor(fringe[row, column] + 0.5))
+            radius = int(np.floor(fattening[row, column] + 0.5))
             if radius > 0:
-                least = abs(best) + apart
+                least = abs(best) + max_difference
                 for down, right in ((-radius, 0), (radius, 0), (0, -radius), (0, radius)):
                     to_row = min(max(at_row + down, 0), height - 1)
                     to_column = min(max(at_column + right, 0), width - 1)
-                    if near[to_row, to_column] > max(best, least):
-                        best = near[to_row, to_column]
+                    if inverse_depth[to_row, to_column] > max(best, least):
+                        best = inverse_depth[to_row, to_column]
                         label = labels[to_row, to_column]
             matched_near[row, column] = max(best, 0.0)
             matched_labels[row, column] = label
 
 
-def average(near: NDArray[np.float32], radius: int, apart: float) -> NDArray[np.float32]:
+def average_window(
+    inverse_depth: NDArray[np.float32], radius: int, max_difference: float
+) -> NDArray[np.float32]:
     """Average 1/z over a square, along rows and then along columns.
 
     Args:
-        near: 1/z, 0 where there is nothing, shape (H, W).
+        inverse_depth: 1/z, 0 in empty pixels, shape (H, W).
         radius: half the square's width, pixels.
-        apart: pixels whose 1/z differs by more from the middle's are left out.
+        max_difference: pixels whose 1/z differs more from the middle's are left out.
 
     Returns:
-        The averages, shape (H, W); where there is nothing, nothing is added.
+        The averages, shape (H, W); empty pixels stay empty.
     """
     if radius < 1:
-        return near
+        return inverse_depth
     for down, right in ((0, 1), (1, 0)):
-        averaged = np.empty_like(near)
-        average_along(near, radius, apart, (down, right), averaged)
-        near = averaged
-    return near
+        averaged = np.empty_like(inverse_depth)
+        average_along(inverse_depth, radius, max_difference, (down, right), averaged)
+        inverse_depth = averaged
+    return inverse_depth
 
 
 @exact_kernel
 def average_along(
-    near: NDArray[np.float32],
+    inverse_depth: NDArray[np.float32],
     radius: int,
-    apart: float,
+    max_difference: float,
     direction: tuple[int, int],
     averaged: NDArray[np.float32],
 ) -> None:
-    """Fill `averaged` with the average along a direction, rows and columns to go each step."""
-    height, width = near.shape
+    """Fill `averaged` with the average along a direction, given as rows and columns per step."""
+    height, width = inverse_depth.shape
     down, right = direction
     for row in range(height):
         for column in range(width):
-            middle = near[row, column]
+            middle = inverse_depth[row, column]
             averaged[row, column] = middle
             if middle <= 0.0:
                 continue
-            place = row * down + column * right
+            position = row * down + column * right
             last = (height - 1) * down + (width - 1) * right
             total, count = 0.0, 0
-            for step in range(-min(radius, place), min(radius, last - place) + 1):
-                other = near[row + step * down, column + step * right]
-                if other > 0.0 and abs(other - middle) <= apart:
+            for step in range(-min(radius, position), min(radius, last - position) + 1):
+                other = inverse_depth[row + step * down, column + step * right]
+                if other > 0.0 and abs(other - middle) <= max_difference:
                     total += other
                     count += 1
             averaged[row, column] = total / count
 
 
 @exact_kernel
-def measure(
-    near: NDArray[np.float32],
+def quantise(
+    inverse_depth: NDArray[np.float32],
     noise: NDArray[np.float32],
     sensor: Triangulation,
-    noisy: Image,
+    noisy: DepthImage,
 ) -> None:
-    """Add noise to 1/z and round it; labels go where nothing is measured."""
+    """Add noise to 1/z and round it; remove the labels of pixels without depth."""
     depth, labels = noisy
-    height, width = near.shape
+    height, width = inverse_depth.shape
     for row in range(height):
         for column in range(width):
             whole = 0.0
-            if near[row, column] > 0.0:
-                steps = (near[row, column] + sensor.deviation * noise[row, column]) / sensor.step
+            if inverse_depth[row, column] > 0.0:
+                steps = (
+                    inverse_depth[row, column] + sensor.deviation * noise[row, column]
+                ) / sensor.step
                 whole = np.floor(steps + 0.5)
             if whole >= 1.0:
                 depth[row, column] = 1.0 / (whole * sensor.step)

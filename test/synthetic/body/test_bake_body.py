@@ -14,14 +14,14 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.synthetic.body.bake_body import KEPT, STEP, TOLERANCE, bake, compress
+from lsc_pose_ros.synthetic.body.bake_body import KEPT, STEP, TOLERANCE, bake, compress_corners
 from lsc_pose_ros.synthetic.body.body_file import load_body
 from lsc_pose_ros.synthetic.body.body_mesh import (
-    Figure,
-    local_rotations,
+    BodyShape,
+    forward_kinematics,
+    named_rotations,
     pose_body,
     shape_body,
-    turn_bones,
 )
 from lsc_pose_ros.synthetic.body.makehuman import MEASURES
 
@@ -73,22 +73,22 @@ def random_figures(count, seed):
         if number % 2:
             names = random.choice(list(MEASURES), 3, replace=False)
             measures = dict(zip(map(str, names), random.uniform(-1, 1, 3), strict=True))
-        yield Figure(float(age), *map(float, values), measures=measures)
+        yield BodyShape(float(age), *map(float, values), measures=measures)
 
 
-def makehuman_shape(figure, original, mpfb2):
+def makehuman_shape(body_shape, original, mpfb2):
     """MakeHuman's own way: each target by the product of the weights of its name's words."""
     base, moves = original
     # macro.json: baby 0, child 0.1875, young 0.5, old 1; years as MakeHuman's slider shows them.
-    age = np.interp(figure.age, [1, 10, 25, 90], [0, 0.1875, 0.5, 1])
+    age = np.interp(body_shape.age, [1, 10, 25, 90], [0, 0.1875, 0.5, 1])
     words = {'african': 1 / 3, 'asian': 1 / 3, 'caucasian': 1 / 3, 'universal': 1.0}
-    words |= {'female': 1 - figure.sex, 'male': figure.sex}
+    words |= {'female': 1 - body_shape.sex, 'male': body_shape.sex}
     for names, knots, value in (
         (('baby', 'child', 'young', 'old'), (0, 0.1875, 0.5, 1), age),
-        (('minmuscle', 'averagemuscle', 'maxmuscle'), (0, 0.5, 1), figure.muscle),
-        (('minweight', 'averageweight', 'maxweight'), (0, 0.5, 1), figure.weight),
-        (('minheight', '', 'maxheight'), (0, 0.5, 1), figure.height),
-        (('uncommonproportions', '', 'idealproportions'), (0, 0.5, 1), figure.proportions),
+        (('minmuscle', 'averagemuscle', 'maxmuscle'), (0, 0.5, 1), body_shape.muscle),
+        (('minweight', 'averageweight', 'maxweight'), (0, 0.5, 1), body_shape.weight),
+        (('minheight', '', 'maxheight'), (0, 0.5, 1), body_shape.height),
+        (('uncommonproportions', '', 'idealproportions'), (0, 0.5, 1), body_shape.proportions),
     ):
         for number, name in enumerate(names):
             words[name] = float(np.interp(value, knots, np.eye(len(knots))[number]))
@@ -99,7 +99,7 @@ def makehuman_shape(figure, original, mpfb2):
             move = moves[name.replace('maxweight', 'averageweight')]  # noqa: PLW2901
         shape += weight * move
     size = np.ptp(shape[:13380, 1]) / GROWN_UP
-    for measure, value in figure.measures.items():
+    for measure, value in body_shape.measures.items():
         for target in MEASURES[measure]:
             end = 'incr' if value > 0 else 'decr'
             path = mpfb2 / 'targets' / f'{target}-{end}.target.gz'
@@ -111,7 +111,7 @@ def test_compressed_corners_are_within_the_tolerance():
     random = np.random.default_rng(3)
     base = 0.02 * random.normal(size=(6, 40, 3))
     corners = np.tensordot(random.normal(size=(2, 3, 4, 6)), base, 1)
-    mean, components, steps, weights = compress(corners)
+    mean, components, steps, weights = compress_corners(corners)
     assert components.dtype == np.int16
     assert len(steps) <= 6
     assert (steps >= STEP).all()
@@ -128,9 +128,9 @@ def test_a_folder_that_is_not_the_original_is_refused(tmp_path):
 def test_shapes_are_makehumans(mpfb2, original):
     body = load_body()
     worst = 0.0
-    for figure in random_figures(40, seed=11):
-        expected = makehuman_shape(figure, original, mpfb2)[SURFACE]
-        error = np.linalg.norm(shape_body(body, figure).vertices - expected, axis=1)
+    for body_shape in random_figures(40, seed=11):
+        expected = makehuman_shape(body_shape, original, mpfb2)[SURFACE]
+        error = np.linalg.norm(shape_body(body, body_shape).vertices - expected, axis=1)
         worst = max(worst, float(error.max()))
     print(f'\nworst vertex of 40 random shapes: {1000 * worst:.3f} mm')  # noqa: T201
     # The tolerance, and what rounding adds by three measures.
@@ -147,9 +147,9 @@ def test_heads_of_bones_are_the_rigs(mpfb2, original):
         elif line.startswith('f '):
             corners = {int(word.split('/')[0]) - 1 for word in line.split()[1:]}
             groups.setdefault(group, set()).update(corners)
-    for figure in random_figures(4, seed=12):
-        shape = makehuman_shape(figure, original, mpfb2)
-        heads = shape_body(body, figure).heads
+    for body_shape in random_figures(4, seed=12):
+        shape = makehuman_shape(body_shape, original, mpfb2)
+        heads = shape_body(body, body_shape).heads
         for name, head in zip(map(str, body.bones), heads, strict=True):
             if name == 'root' or name.startswith('toes'):
                 continue
@@ -172,20 +172,20 @@ def test_the_skin_follows_the_bones_as_with_all_weights(mpfb2):
         for vertex, weight in pairs:
             full[vertex, KEPT.index(bone)] += weight
     full = full[SURFACE] / full[SURFACE].sum(axis=1, keepdims=True)
-    rest = shape_body(body, Figure(30, 0.5))
+    rest = shape_body(body, BodyShape(30, 0.5))
     random = np.random.default_rng(13)
     worst = []
     for _ in range(5):
-        rotations = local_rotations(body, {})
+        rotations = named_rotations(body, {})
         for bone in range(1, len(KEPT)):
             axis = random.normal(size=3)
             rotations[bone] = rotation(axis / np.linalg.norm(axis), random.uniform(-0.6, 0.6))
         posed = pose_body(body, rest, rotations, np.zeros(3))
-        turns, heads = turn_bones(rotations, body.parents, rest.heads)
-        shifts = heads - np.einsum('bij,bj->bi', turns, rest.heads)
+        orientations, heads = forward_kinematics(rotations, body.parents, rest.heads)
+        shifts = heads - np.einsum('bij,bj->bi', orientations, rest.heads)
         expected = np.zeros_like(rest.vertices)
         for bone in range(len(KEPT)):
-            moved = rest.vertices @ turns[bone].T + shifts[bone]
+            moved = rest.vertices @ orientations[bone].T + shifts[bone]
             expected += full[:, bone, None] * moved
         worst.append(np.linalg.norm(posed.vertices - expected, axis=1))
     print(f'\neight bones a vertex: {1000 * np.max(worst):.2f} mm at worst')  # noqa: T201

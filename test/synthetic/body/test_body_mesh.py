@@ -6,39 +6,42 @@ import pytest
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.resources.package_files import resource
-from lsc_pose_ros.synthetic.body.body_file import Body, load_body, save_body
+from lsc_pose_ros.synthetic.body.body_file import BodyModel, load_body, save_body
 from lsc_pose_ros.synthetic.body.body_mesh import (
-    Figure,
-    Rest,
-    local_rotations,
+    BodyShape,
+    RestBody,
+    blend_skin,
+    forward_kinematics,
     mix_components,
+    named_rotations,
     pose_body,
+    relative_rotations,
     shape_body,
-    skin,
+    standing_orientations,
     stature,
-    straighten,
-    to_local,
-    turn_bones,
     with_stature,
 )
 
 PEOPLE = (
-    (Figure(4, 0.5), 1.0),
-    (Figure(9, 0.0, weight=0.7), 1.3),
-    (Figure(25, 1.0, muscle=0.9, proportions=1.0), 2.0),
-    (Figure(40, 0.0, weight=1.0, muscle=0.2), 1.65),
-    (Figure(90, 1.0, weight=0.1, proportions=0.0), 1.6),
-    (Figure(30, 1.0, measures={'upper_arm_length': 1, 'head_size': -1, 'thigh_length': -1}), 1.7),
+    (BodyShape(4, 0.5), 1.0),
+    (BodyShape(9, 0.0, weight=0.7), 1.3),
+    (BodyShape(25, 1.0, muscle=0.9, proportions=1.0), 2.0),
+    (BodyShape(40, 0.0, weight=1.0, muscle=0.2), 1.65),
+    (BodyShape(90, 1.0, weight=0.1, proportions=0.0), 1.6),
+    (
+        BodyShape(30, 1.0, measures={'upper_arm_length': 1, 'head_size': -1, 'thigh_length': -1}),
+        1.7,
+    ),
 )
 
 
 @pytest.fixture(scope='module')
-def body() -> Body:
+def body() -> BodyModel:
     return load_body()
 
 
 @pytest.fixture(scope='module')
-def people(body: Body) -> list[Rest]:
+def people(body: BodyModel) -> list[RestBody]:
     return [shape_body(body, with_stature(body, *person)) for person in PEOPLE]
 
 
@@ -65,8 +68,8 @@ def winding_number(points, vertices, triangles):
 
 def random_pose(body, random, most):
     axes = random.normal(size=(len(body.bones), 3))
-    turns = [about(axis, most * random.uniform(-1, 1)) for axis in axes]
-    return local_rotations(body, dict(zip(map(str, body.bones), turns, strict=True)))
+    orientations = [about(axis, most * random.uniform(-1, 1)) for axis in axes]
+    return named_rotations(body, dict(zip(map(str, body.bones), orientations, strict=True)))
 
 
 def test_the_file_is_small_and_tells_where_it_comes_from(body):
@@ -118,17 +121,17 @@ def test_the_skin_is_closed_and_faces_outwards(body, people):
 def test_people_are_as_tall_as_they_should_be(body, people):
     wanted = [metres for _, metres in PEOPLE]
     np.testing.assert_allclose([stature(rest) for rest in people], wanted, atol=0.001)
-    assert 1.55 < stature(shape_body(body, Figure(30, 0))) < 1.68
-    assert 1.68 < stature(shape_body(body, Figure(30, 1))) < 1.82
-    years = [stature(shape_body(body, Figure(age, 0.5))) for age in (3, 6, 10, 16, 25)]
+    assert 1.55 < stature(shape_body(body, BodyShape(30, 0))) < 1.68
+    assert 1.68 < stature(shape_body(body, BodyShape(30, 1))) < 1.82
+    years = [stature(shape_body(body, BodyShape(age, 0.5))) for age in (3, 6, 10, 16, 25)]
     assert np.all(np.diff(years) > 0.05)
     with pytest.raises(InputError, match=r'stature 2\.5 m is out of range; .* give 0\.89 to'):
-        with_stature(body, Figure(10, 0), 2.5)
+        with_stature(body, BodyShape(10, 0), 2.5)
 
 
 def test_weight_muscle_and_sex_change_the_girth(body):
     def volume(**values):
-        rest = shape_body(body, Figure(**values))
+        rest = shape_body(body, BodyShape(**values))
         a, b, c = (rest.vertices[body.triangles[:, corner]] for corner in range(3))
         return np.einsum('ij,ij->i', a, np.cross(b, c)).sum() / 6
 
@@ -141,23 +144,23 @@ def test_weight_muscle_and_sex_change_the_girth(body):
 
 
 @pytest.mark.parametrize(
-    ('figure', 'complaint'),
+    ('body_shape', 'complaint'),
     [
-        (Figure(age=0.5), 'age is 0.5 years; give 1 to 90'),
-        (Figure(age=float('nan')), 'age is nan'),
-        (Figure(weight=1.2), r'weight is 1\.2; give 0 to 1'),
-        (Figure(measures={'nose_length': 1.0}), 'unknown measure nose_length'),
-        (Figure(measures={'belly': 2.0}), 'belly is 2; give -1 to 1'),
+        (BodyShape(age=0.5), 'age is 0.5 years; give 1 to 90'),
+        (BodyShape(age=float('nan')), 'age is nan'),
+        (BodyShape(weight=1.2), r'weight is 1\.2; give 0 to 1'),
+        (BodyShape(measures={'nose_length': 1.0}), 'unknown measure nose_length'),
+        (BodyShape(measures={'belly': 2.0}), 'belly is 2; give -1 to 1'),
     ],
 )
-def test_a_figure_out_of_range_is_refused(body, figure, complaint):
+def test_a_figure_out_of_range_is_refused(body, body_shape, complaint):
     with pytest.raises(InputError, match=complaint):
-        shape_body(body, figure)
+        shape_body(body, body_shape)
 
 
 def test_a_measure_changes_what_it_names(body):
-    def length(figure, first, second):
-        joints = shape_body(body, figure).joints
+    def length(body_shape, first, second):
+        joints = shape_body(body, body_shape).joints
         return np.linalg.norm(joints[JOINT_NUMBERS[first]] - joints[JOINT_NUMBERS[second]])
 
     for measure, ends in {
@@ -168,7 +171,8 @@ def test_a_measure_changes_what_it_names(body):
         'shoulder_width': ('l_shoulder', 'r_shoulder'),
     }.items():
         less, same, more = (
-            length(Figure(20, 0, measures={measure: value}), *ends) for value in (-0.5, 0.0, 0.5)
+            length(BodyShape(20, 0, measures={measure: value}), *ends)
+            for value in (-0.5, 0.0, 0.5)
         )
         assert less + 0.008 < same < more - 0.008
 
@@ -246,7 +250,7 @@ def test_bones_turn_as_the_product_of_matrices_says(body, people):
     random = np.random.default_rng(2)
     rotations = random_pose(body, random, 180)
     heads = people[0].heads
-    turns, moved = turn_bones(rotations, body.parents, heads)
+    orientations, moved = forward_kinematics(rotations, body.parents, heads)
     for bone in range(len(body.bones)):
         transform, at = np.eye(4), bone
         while at >= 0:
@@ -255,9 +259,9 @@ def test_bones_turn_as_the_product_of_matrices_says(body, people):
             own[:3, :3] = rotations[at]
             own[:3, 3] = heads[at] - heads[parent] if parent >= 0 else 0
             transform, at = own @ transform, parent
-        np.testing.assert_allclose(turns[bone], transform[:3, :3], atol=1e-12)
+        np.testing.assert_allclose(orientations[bone], transform[:3, :3], atol=1e-12)
         np.testing.assert_allclose(moved[bone], transform[:3, 3], atol=1e-12)
-    np.testing.assert_allclose(to_local(body, turns), rotations, atol=1e-12)
+    np.testing.assert_allclose(relative_rotations(body, orientations), rotations, atol=1e-12)
 
 
 def test_skinning_is_the_blend_of_the_equation():
@@ -266,38 +270,40 @@ def test_skinning_is_the_blend_of_the_equation():
     bones = random.integers(0, 5, size=(200, 4)).astype(np.uint8)
     weights = -np.sort(-random.multinomial(65535, [0.25] * 4, size=200), axis=1)
     weights[:50] = [65535, 0, 0, 0]
-    turns, shifts = random.normal(size=(5, 3, 3)), random.normal(size=(5, 3))
+    orientations, shifts = random.normal(size=(5, 3, 3)), random.normal(size=(5, 3))
     expected = np.zeros((200, 3))
     for influence in range(4):
-        own = np.einsum('vij,vj->vi', turns[bones[:, influence]], rest)
+        own = np.einsum('vij,vj->vi', orientations[bones[:, influence]], rest)
         expected += weights[:, influence, None] / 65535 * (own + shifts[bones[:, influence]])
-    posed = skin(rest, bones, weights.astype(np.uint16), turns, shifts)
+    posed = blend_skin(rest, bones, weights.astype(np.uint16), orientations, shifts)
     np.testing.assert_allclose(posed, expected, atol=1e-12)
-    assert skin(rest[:0], bones[:0], weights[:0].astype(np.uint16), turns, shifts).shape == (0, 3)
+    assert blend_skin(
+        rest[:0], bones[:0], weights[:0].astype(np.uint16), orientations, shifts
+    ).shape == (0, 3)
 
 
 def test_an_unturned_body_only_moves(body, people):
-    place = np.array([1.0, 2.0, 3.0])
+    position = np.array([1.0, 2.0, 3.0])
     rest = people[0]
-    posed = pose_body(body, rest, local_rotations(body, {}), place)
-    shift = place - rest.heads[0]
+    posed = pose_body(body, rest, named_rotations(body, {}), position)
+    shift = position - rest.heads[0]
     np.testing.assert_allclose(posed.vertices, rest.vertices + shift, atol=1e-9)
     np.testing.assert_allclose(posed.joints, rest.joints + shift, atol=1e-9)
-    np.testing.assert_allclose(posed.joints[JOINT_NUMBERS['pelvis']], place, atol=2e-4)
+    np.testing.assert_allclose(posed.joints[JOINT_NUMBERS['pelvis']], position, atol=2e-4)
 
 
 def test_the_root_turns_the_whole_person(body, people):
     rest, turn = people[1], about([1, 2, 3], 70)
-    posed = pose_body(body, rest, local_rotations(body, {'root': turn}), np.zeros(3))
+    posed = pose_body(body, rest, named_rotations(body, {'root': turn}), np.zeros(3))
     expected = (rest.vertices - rest.heads[0]) @ turn.T
     np.testing.assert_allclose(posed.vertices, expected, atol=1e-9)
 
 
 def test_a_bone_that_turns_takes_along_what_hangs_on_it(body, people):
     rest = people[2]
-    still = pose_body(body, rest, local_rotations(body, {}), np.zeros(3))
+    still = pose_body(body, rest, named_rotations(body, {}), np.zeros(3))
     turn = about([0, 1, 0], -90)
-    bent = pose_body(body, rest, local_rotations(body, {'lowerarm01.L': turn}), np.zeros(3))
+    bent = pose_body(body, rest, named_rotations(body, {'lowerarm01.L': turn}), np.zeros(3))
     elbow = still.joints[JOINT_NUMBERS['l_elbow']]
     for name in ('l_wrist', 'l_hand'):
         number = JOINT_NUMBERS[name]
@@ -308,18 +314,20 @@ def test_a_bone_that_turns_takes_along_what_hangs_on_it(body, people):
 
 
 def test_an_unknown_bone_is_refused(body):
-    with pytest.raises(InputError, match='unknown bone tail; the bones are root, spine05'):
-        local_rotations(body, {'tail': np.eye(3)})
+    with pytest.raises(InputError, match='unknown bone tail; known bones are root, spine05'):
+        named_rotations(body, {'tail': np.eye(3)})
 
 
 def test_straightened_limbs_hang_straight_and_bend_the_right_way(body, people):
     for rest in people:
-        turns = straighten(body, rest)
+        orientations = standing_orientations(body, rest)
         np.testing.assert_allclose(
-            turns @ turns.transpose(0, 2, 1), np.tile(np.eye(3), (len(turns), 1, 1)), atol=1e-9
+            orientations @ orientations.transpose(0, 2, 1),
+            np.tile(np.eye(3), (len(orientations), 1, 1)),
+            atol=1e-9,
         )
-        np.testing.assert_allclose(np.linalg.det(turns), 1, atol=1e-9)
-        posed = pose_body(body, rest, to_local(body, turns), np.zeros(3))
+        np.testing.assert_allclose(np.linalg.det(orientations), 1, atol=1e-9)
+        posed = pose_body(body, rest, relative_rotations(body, orientations), np.zeros(3))
         bones = {str(name): number for number, name in enumerate(body.bones)}
         at = dict(zip(JOINT_NAMES, posed.joints, strict=True))
         for side in ('l', 'r'):
@@ -338,12 +346,12 @@ def test_straightened_limbs_hang_straight_and_bend_the_right_way(body, people):
 
 
 def test_a_straightened_arm_bends_forwards_at_the_elbow(body, people):
-    rest, turns = people[2], straighten(body, people[2])
-    flexed = turns.copy()
+    rest, orientations = people[2], standing_orientations(body, people[2])
+    flexed = orientations.copy()
     for number, name in enumerate(map(str, body.bones)):
         if name.endswith('.R') and name.startswith(('lowerarm', 'wrist', 'metacarpal', 'finger')):
-            flexed[number] = about([1, 0, 0], -90) @ turns[number]
-    posed = pose_body(body, rest, to_local(body, flexed), np.zeros(3))
+            flexed[number] = about([1, 0, 0], -90) @ orientations[number]
+    posed = pose_body(body, rest, relative_rotations(body, flexed), np.zeros(3))
     forearm = posed.joints[JOINT_NUMBERS['r_wrist']] - posed.joints[JOINT_NUMBERS['r_elbow']]
     assert forearm[2] > 0.999 * np.linalg.norm(forearm)
     # The elbow's skin stays whole: the crook of the arm does not reach through the elbow's tip.

@@ -6,26 +6,31 @@ import pytest
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.synthetic.body.body_file import load_body
 from lsc_pose_ros.synthetic.body.body_mesh import (
-    Figure,
+    BodyShape,
     pose_body,
+    relative_rotations,
     shape_body,
-    straighten,
-    to_local,
+    standing_orientations,
 )
-from lsc_pose_ros.synthetic.body.bone_rotations import articulate, bone_heads, bone_turns, rig_of
+from lsc_pose_ros.synthetic.body.bone_rotations import (
+    bone_heads,
+    bone_orientations,
+    pose_rotations,
+    rig_of,
+)
 from lsc_pose_ros.synthetic.motion.joint_angles import (
     ANGLE_NUMBERS,
     ANGLES,
-    HIGHEST,
-    LOWEST,
-    highest_elevation,
+    LOWER_LIMITS,
+    UPPER_LIMITS,
+    arms_to_cartesian,
+    arms_to_polar,
+    max_elevation,
     mirrored,
-    planes,
-    swings,
     within_limits,
 )
 
-FIGURES = (Figure(30, 1.0), Figure(5, 0.5), Figure(50, 0.0, weight=0.9))
+FIGURES = (BodyShape(30, 1.0), BodyShape(5, 0.5), BodyShape(50, 0.0, weight=0.9))
 
 
 @pytest.fixture(scope='module')
@@ -47,11 +52,13 @@ def pose_of(**degrees):
 
 def random_poses(count):
     random = np.random.default_rng(4)
-    return within_limits(LOWEST + (HIGHEST - LOWEST) * random.random((count, len(ANGLES))))
+    return within_limits(
+        LOWER_LIMITS + (UPPER_LIMITS - LOWER_LIMITS) * random.random((count, len(ANGLES)))
+    )
 
 
 def joints_of(body, rest, **degrees):
-    rotations = articulate(rig_of(body, rest), pose_of(**degrees))[0]
+    rotations = pose_rotations(rig_of(body, rest), pose_of(**degrees))[0]
     joints = pose_body(body, rest, rotations, np.zeros(3)).joints
     return dict(zip(JOINT_NAMES, joints, strict=True))
 
@@ -62,8 +69,8 @@ def direction(joints, start, end):
 
 
 def test_no_angle_is_the_straight_body(body, rest):
-    rotations = articulate(rig_of(body, rest), np.zeros((1, len(ANGLES))))[0]
-    expected = to_local(body, straighten(body, rest))
+    rotations = pose_rotations(rig_of(body, rest), np.zeros((1, len(ANGLES))))[0]
+    expected = relative_rotations(body, standing_orientations(body, rest))
     shoulders = [
         number
         for number, name in enumerate(map(str, body.bones))
@@ -127,8 +134,10 @@ def test_fingers_close_towards_the_palm(body, rest):
     rig = rig_of(body, rest)
     heads = {}
     for degrees in (0, 45):
-        turns = bone_turns(pose_of(l_fingers=degrees), rig.straight, rig.parts)
-        heads[degrees] = bone_heads(turns, rig.parents, rig.heads)[rig.numbers['finger3-3.L']]
+        orientations = bone_orientations(pose_of(l_fingers=degrees), rig.straight, rig.parts)
+        heads[degrees] = bone_heads(orientations, rig.parents, rig.heads)[
+            rig.numbers['finger3-3.L']
+        ]
     moved = heads[45] - heads[0]
     length = np.linalg.norm(rest.heads[rig.numbers['finger3-3.L']]
                             - rest.heads[rig.numbers['finger3-1.L']])  # fmt: skip
@@ -139,13 +148,15 @@ def test_fingers_close_towards_the_palm(body, rest):
 def test_turns_are_rotations_and_heads_as_pose_body_has_them(body, rest):
     rig = rig_of(body, rest)
     for angles in random_poses(20):
-        turns = bone_turns(angles, rig.straight, rig.parts)
+        orientations = bone_orientations(angles, rig.straight, rig.parts)
         np.testing.assert_allclose(
-            turns @ turns.transpose(0, 2, 1), np.tile(np.eye(3), (len(turns), 1, 1)), atol=1e-9
+            orientations @ orientations.transpose(0, 2, 1),
+            np.tile(np.eye(3), (len(orientations), 1, 1)),
+            atol=1e-9,
         )
-        posed = pose_body(body, rest, articulate(rig, angles)[0], np.zeros(3))
-        np.testing.assert_allclose(posed.turns, turns, atol=1e-9)
-        heads = bone_heads(turns, rig.parents, rig.heads)
+        posed = pose_body(body, rest, pose_rotations(rig, angles)[0], np.zeros(3))
+        np.testing.assert_allclose(posed.orientations, orientations, atol=1e-9)
+        heads = bone_heads(orientations, rig.parents, rig.heads)
         np.testing.assert_allclose(posed.heads, heads, atol=1e-9)
 
 
@@ -154,7 +165,7 @@ def test_the_mirror_image_of_a_pose_is_the_mirror_image(body, rest):
     sides = {'l_': 'r_', 'r_': 'l_'}
     swapped = [JOINT_NUMBERS[sides.get(name[:2], name[:2]) + name[2:]] for name in JOINT_NAMES]
     for angles in random_poses(10):
-        one, other = articulate(rig, np.stack([angles, mirrored(angles)]))
+        one, other = pose_rotations(rig, np.stack([angles, mirrored(angles)]))
         joints = pose_body(body, rest, one, np.zeros(3)).joints
         mirror = pose_body(body, rest, other, np.zeros(3)).joints
         # The body itself is as good as symmetrical.
@@ -164,9 +175,9 @@ def test_the_mirror_image_of_a_pose_is_the_mirror_image(body, rest):
 
 def test_swings_are_another_way_to_tell_the_same_pose():
     for angles in random_poses(20):
-        np.testing.assert_allclose(planes(swings(angles)), angles, atol=1e-12)
+        np.testing.assert_allclose(arms_to_polar(arms_to_cartesian(angles)), angles, atol=1e-12)
     up = pose_of(l_plane=60, l_elevation=40)
-    swing = swings(up)[ANGLE_NUMBERS['l_plane'] : ANGLE_NUMBERS['l_plane'] + 2]
+    swing = arms_to_cartesian(up)[ANGLE_NUMBERS['l_plane'] : ANGLE_NUMBERS['l_plane'] + 2]
     np.testing.assert_allclose(np.degrees(swing), [20, 40 * np.sqrt(0.75)])
 
 
@@ -174,7 +185,7 @@ def test_how_far_an_arm_rises_depends_on_the_plane():
     anywhere = np.linspace(-90, 125, 60)
     poses = np.array([pose_of(r_plane=plane, r_elevation=500, l_elbow=-20) for plane in anywhere])
     kept = within_limits(poses)
-    highest = [highest_elevation(np.radians(plane), HIGHEST[ANGLE_NUMBERS['r_elevation']])
+    highest = [max_elevation(np.radians(plane), UPPER_LIMITS[ANGLE_NUMBERS['r_elevation']])
                for plane in anywhere]  # fmt: skip
     np.testing.assert_allclose(kept[:, ANGLE_NUMBERS['r_elevation']], highest, atol=1e-12)
     np.testing.assert_allclose(np.degrees([highest[0], max(highest)]), [60, 172], atol=1e-9)

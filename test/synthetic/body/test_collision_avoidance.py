@@ -4,39 +4,39 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from lsc_pose_ros.synthetic.body.body_file import Body, load_body
+from lsc_pose_ros.synthetic.body.body_file import BodyModel, load_body
 from lsc_pose_ros.synthetic.body.body_mesh import (
-    Figure,
-    Rest,
+    BodyShape,
+    RestBody,
+    forward_kinematics,
+    relative_rotations,
     shape_body,
-    straighten,
-    to_local,
-    turn_bones,
+    standing_orientations,
 )
 from lsc_pose_ros.synthetic.body.bone_rotations import rig_of
 from lsc_pose_ros.synthetic.body.collision_avoidance import (
-    DEEPEST,
+    MAX_PENETRATION,
     nearest_points,
-    push_out,
+    resolve_collisions,
     rotation_about,
 )
 from lsc_pose_ros.synthetic.body.self_collision import fit_capsules
 
 
 @pytest.fixture(scope='module')
-def body() -> Body:
+def body() -> BodyModel:
     return load_body()
 
 
 @pytest.fixture(scope='module')
-def stout(body: Body) -> Rest:
-    figure = Figure(50, 1.0, weight=1.0, muscle=0.4, measures={'belly': 0.6})
-    return shape_body(body, figure)
+def stout(body: BodyModel) -> RestBody:
+    body_shape = BodyShape(50, 1.0, weight=1.0, muscle=0.4, measures={'belly': 0.6})
+    return shape_body(body, body_shape)
 
 
 def pose(body, rest, degrees, elbow=0.0):
     """Arms hang, moved sideways by `degrees` out or, if negative, into the body."""
-    turns = straighten(body, rest)
+    orientations = standing_orientations(body, rest)
     for number, name in enumerate(body.bones):
         arm = name.startswith(('upperarm', 'lowerarm', 'wrist', 'finger', 'metacarpal'))
         if arm and name.endswith(('.L', '.R')):
@@ -45,18 +45,18 @@ def pose(body, rest, degrees, elbow=0.0):
             bend = Rotation.from_euler(
                 'x', 0 if name.startswith('upper') else -elbow, degrees=True
             )
-            turns[number] = (out * bend).as_matrix() @ turns[number]
-    return to_local(body, turns)
+            orientations[number] = (out * bend).as_matrix() @ orientations[number]
+    return relative_rotations(body, orientations)
 
 
 def deepest(body, rest, rotations):
     """How far arms are in the trunk or the legs, metres, by sampling the capsules' axes."""
     capsules = fit_capsules(body, rest, rig_of(body, rest))
-    turns, heads = turn_bones(rotations, body.parents, rest.heads)
+    orientations, heads = forward_kinematics(rotations, body.parents, rest.heads)
     shares = np.linspace(0, 1, 60)[:, None]
     axes = []
     for bone, ends in zip(capsules.bones, capsules.ends, strict=True):
-        start, end = heads[bone] + ends @ turns[bone].T
+        start, end = heads[bone] + ends @ orientations[bone].T
         axes.append(start + shares * (end - start))
     depths = []
     for (one, other), allowed in zip(capsules.pairs, capsules.allowed, strict=True):
@@ -70,23 +70,28 @@ def deepest(body, rest, rotations):
 @pytest.mark.parametrize(('degrees', 'elbow'), [(-12, 0), (-20, 0), (-12, 60)])
 def test_arms_leave_the_body(body, stout, degrees, elbow):
     rotations = pose(body, stout, degrees, elbow)[None]
-    assert deepest(body, stout, rotations[0]) > DEEPEST + 0.02
-    assert deepest(body, stout, push_out(body, stout, rotations)[0]) < DEEPEST + 0.003
+    assert deepest(body, stout, rotations[0]) > MAX_PENETRATION + 0.02
+    assert (
+        deepest(body, stout, resolve_collisions(body, stout, rotations)[0])
+        < MAX_PENETRATION + 0.003
+    )
 
 
 def test_poses_that_are_clear_stay_as_they_are(body, stout):
     rotations = pose(body, stout, 40)[None].repeat(3, axis=0)
     kept = rotations.copy()
-    np.testing.assert_array_equal(push_out(body, stout, rotations), kept)
-    np.testing.assert_allclose(push_out(body, stout, rotations, spread=2), kept, atol=1e-12)
+    np.testing.assert_array_equal(resolve_collisions(body, stout, rotations), kept)
+    np.testing.assert_allclose(
+        resolve_collisions(body, stout, rotations, spread=2), kept, atol=1e-12
+    )
 
 
 def test_only_the_limb_that_is_in_the_way_moves_and_the_input_does_not(body, stout):
     rotations = pose(body, stout, -20)[None]
     kept = rotations.copy()
-    pushed = push_out(body, stout, rotations)
+    resolved = resolve_collisions(body, stout, rotations)
     np.testing.assert_array_equal(rotations, kept)
-    moved = {str(body.bones[n]) for n in np.flatnonzero((pushed != kept).any(axis=(0, 2, 3)))}
+    moved = {str(body.bones[n]) for n in np.flatnonzero((resolved != kept).any(axis=(0, 2, 3)))}
     assert moved == {'upperarm01.L', 'upperarm01.R'}
 
 
@@ -96,9 +101,9 @@ def test_limbs_give_way_smoothly(body, stout):
     bone = list(body.bones).index('upperarm01.L')
 
     def corrections(spread):
-        pushed = push_out(body, stout, rotations, spread=spread)[:, bone]
-        turns = pushed @ rotations[:, bone].transpose(0, 2, 1)
-        return np.degrees(Rotation.from_matrix(turns).magnitude())
+        resolved = resolve_collisions(body, stout, rotations, spread=spread)[:, bone]
+        orientations = resolved @ rotations[:, bone].transpose(0, 2, 1)
+        return np.degrees(Rotation.from_matrix(orientations).magnitude())
 
     sudden, smooth = corrections(0), corrections(6)
     assert abs(np.diff(sudden)).max() > 5

@@ -4,23 +4,23 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.synthetic.body.body_file import load_body
-from lsc_pose_ros.synthetic.body.body_mesh import Figure, pose_body, shape_body
-from lsc_pose_ros.synthetic.body.bone_rotations import articulate
+from lsc_pose_ros.synthetic.body.body_mesh import BodyShape, pose_body, shape_body
+from lsc_pose_ros.synthetic.body.bone_rotations import pose_rotations
 from lsc_pose_ros.synthetic.body.self_collision import (
-    DEEPEST,
-    deepest_overlap,
-    mannequin_of,
+    MAX_PENETRATION,
+    deepest_penetration,
+    fit_collision_body,
     mean_distances,
     segment_distance,
 )
-from lsc_pose_ros.synthetic.motion.inverse_kinematics import REACHED, reach
+from lsc_pose_ros.synthetic.motion.inverse_kinematics import REACH_TOLERANCE, solve_arm
 from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS, ANGLES, ARMS
 
 FIGURES = (
-    Figure(30, 1.0),
-    Figure(5, 0.5),
-    Figure(40, 0.0, weight=1.0, muscle=0.3),
-    Figure(80, 1.0, weight=0.2),
+    BodyShape(30, 1.0),
+    BodyShape(5, 0.5),
+    BodyShape(40, 0.0, weight=1.0, muscle=0.3),
+    BodyShape(80, 1.0, weight=0.2),
 )
 
 
@@ -56,30 +56,30 @@ def pose_of(**degrees):
     ],
 )  # fmt: skip
 def test_what_goes_through_the_body_is_seen(body, rest, clear, degrees):
-    mannequin = mannequin_of(body, rest)
-    depth = deepest_overlap(mannequin, pose_of(**degrees)[None])[0]
-    assert depth <= DEEPEST if clear else depth > DEEPEST
+    collision_body = fit_collision_body(body, rest)
+    depth = deepest_penetration(collision_body, pose_of(**degrees)[None])[0]
+    assert depth <= MAX_PENETRATION if clear else depth > MAX_PENETRATION
 
 
 def test_a_hand_in_the_head_is_seen(body, rest):
-    mannequin = mannequin_of(body, rest)
-    rig, angles = mannequin.rig, pose_of()
+    collision_body = fit_collision_body(body, rest)
+    rig, angles = collision_body.rig, pose_of()
     at = rig.heads[rig.numbers['head']] - rig.heads[rig.numbers['spine01']]
-    angles[ARMS[0]], miss = reach(rig, angles[ARMS[0]], at, 0.5)
-    assert miss < REACHED
-    assert deepest_overlap(mannequin, angles[None])[0] > DEEPEST
+    angles[ARMS[0]], miss = solve_arm(rig, angles[ARMS[0]], at, 0.5)
+    assert miss < REACH_TOLERANCE
+    assert deepest_penetration(collision_body, angles[None])[0] > MAX_PENETRATION
 
 
 def test_capsules_fill_most_of_the_body_and_little_else(body, rest):
     """Every bone's skin is about as far from its capsule's axis as the radius."""
-    rig, capsules = mannequin_of(body, rest)
-    posed = pose_body(body, rest, articulate(rig, pose_of())[0], np.zeros(3))
+    rig, capsules = fit_collision_body(body, rest)
+    posed = pose_body(body, rest, pose_rotations(rig, pose_of())[0], np.zeros(3))
     strongest = body.skin_bones[:, 0]
     for bone, ends, radius in zip(capsules.bones, capsules.ends, capsules.radii, strict=True):
         skin = posed.vertices[strongest == bone]
         if bone == rig.numbers['root']:  # has no skin of its own
             continue
-        axis = posed.heads[bone] + ends @ posed.turns[bone].T
+        axis = posed.heads[bone] + ends @ posed.orientations[bone].T
         distance = [naive_distance(point, point, *axis) for point in skin[::9]]
         assert 0.5 < np.median(distance) / radius < 2.2
 

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from stick_figure import JOINTS, NAMES, bvh_text
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.synthetic.mocap.bvh import load_bvh, place_joints
+from lsc_pose_ros.synthetic.mocap.bvh import joint_poses, load_bvh
 
 SMALL = """HIERARCHY
 ROOT hip
@@ -49,7 +49,7 @@ def test_a_small_file_is_read(tmp_path):
 
 
 def test_joints_are_where_a_hand_calculation_has_them(tmp_path):
-    placed = place_joints(load_bvh(write(tmp_path, SMALL)))
+    placed = joint_poses(load_bvh(write(tmp_path, SMALL)))
     # Frame 1: the knee turns by 90 degrees about x, which takes -y to -z, z to -y.
     expected = [[1, 2, 3], [1, 0, 3], [1, -0.5, 2]]
     np.testing.assert_allclose(placed.positions[0], expected, atol=1e-12)
@@ -66,16 +66,16 @@ def test_rotations_are_those_of_scipy_in_any_order_of_channels(tmp_path, order):
         for _ in range(4)
     ]
     bvh = load_bvh(write(tmp_path, bvh_text(frames, order=order)))
-    placed = place_joints(bvh)
+    placed = joint_poses(bvh)
     for number, frame in enumerate(frames):
-        turns, places = {}, {}
+        orientations, places = {}, {}
         for name, parent, offset in JOINTS:
-            above = turns[parent] if parent else Rotation.identity()
+            above = orientations[parent] if parent else Rotation.identity()
             places[name] = (places[parent] if parent else 0) + above.apply(offset)
-            turns[name] = above * frame[name]
+            orientations[name] = above * frame[name]
             joint = bvh.names.index(name)
-            found = placed.turns[number, joint]
-            np.testing.assert_allclose(found, turns[name].as_matrix(), atol=1e-5)
+            found = placed.orientations[number, joint]
+            np.testing.assert_allclose(found, orientations[name].as_matrix(), atol=1e-5)
             np.testing.assert_allclose(placed.positions[number, joint], places[name], atol=1e-5)
 
 
@@ -87,21 +87,21 @@ def test_windows_line_ends_tabs_and_old_code_pages_are_read(tmp_path):
 @pytest.mark.parametrize(
     ('old', 'new', 'line', 'says'),
     [
-        ('HIERARCHY', 'NONSENSE', 1, "'NONSENSE' stands where HIERARCHY"),
-        ('ROOT hip', 'JOINT hip', 2, 'where ROOT'),
+        ('HIERARCHY', 'NONSENSE', 1, "'NONSENSE' found, but HIERARCHY is expected"),
+        ('ROOT hip', 'JOINT hip', 2, 'ROOT is expected'),
         ('ROOT hip', 'ROOT', 2, 'no name'),
         ('OFFSET 0 -2 0', 'OFFSET 0 -2', 8, '2 numbers'),
         ('OFFSET 0 -2 0', 'OFFSET 0 -2 nan', 8, 'not finite'),
         ('OFFSET 0 -2 0', 'OFFSET 0 two 0', 8, 'two'),
-        ('CHANNELS 1 Xrotation', 'CHANNELS 2 Xrotation', 9, '1 channels stand where 2'),
-        ('CHANNELS 1 Xrotation', 'CHANNELS', 9, 'their number'),
+        ('CHANNELS 1 Xrotation', 'CHANNELS 2 Xrotation', 9, '1 channels found, but 2'),
+        ('CHANNELS 1 Xrotation', 'CHANNELS', 9, 'their number is expected'),
         ('CHANNELS 1 Xrotation', 'CHANNELS 1 Wrotation', 9, 'Wrotation'),
         ('JOINT knee', 'JOINT hip', 9, 'second joint hip'),
         ('JOINT knee', 'JIONT knee', 6, 'JIONT'),
-        ('MOTION', '}', 16, 'where MOTION'),
+        ('MOTION', '}', 16, 'MOTION is expected'),
         ('Frames: 2', 'Frames: 3', 21, '2 frames instead of 3'),
         ('Frame Time: 0.04', 'Frame Time: 0', 18, 'lasts 0 s'),
-        ('4 5 6 90 0 0 0', '4 5 6 90 0 0', 21, '6 numbers stand where 7'),
+        ('4 5 6 90 0 0 0', '4 5 6 90 0 0', 21, '6 numbers found, but 7'),
         ('4 5 6 90 0 0 0', '4 5 6 90 0 0 x', 21, 'could not convert'),
     ],
 )

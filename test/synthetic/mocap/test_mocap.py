@@ -7,27 +7,26 @@ from stick_figure import bvh_text, mapping_text
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.synthetic.body.body_file import Body, load_body
+from lsc_pose_ros.synthetic.body.body_file import BodyModel, load_body
 from lsc_pose_ros.synthetic.body.body_mesh import (
-    Figure,
-    Rest,
+    BodyShape,
+    RestBody,
     pose_body,
     shape_body,
-    straighten,
+    standing_orientations,
 )
-from lsc_pose_ros.synthetic.mocap.bvh import load_bvh, place_joints
-from lsc_pose_ros.synthetic.mocap.mocap import (
+from lsc_pose_ros.synthetic.geometry.rotations import axis_rotation, from_quaternions
+from lsc_pose_ros.synthetic.mocap.bvh import joint_poses, load_bvh
+from lsc_pose_ros.synthetic.mocap.clip_section import resample, within_yaw
+from lsc_pose_ros.synthetic.mocap.distinct_poses import (
     distinct_poses,
-    load_mocap,
-    nearest,
-    outline,
-    resample,
-    within_yaw,
+    pose_distance,
+    reference_joints,
 )
+from lsc_pose_ros.synthetic.mocap.mocap import load_mocap
 from lsc_pose_ros.synthetic.mocap.mocap_clip import read_clip
 from lsc_pose_ros.synthetic.mocap.mocap_mapping import SEGMENTS, load_mapping
-from lsc_pose_ros.synthetic.mocap.retarget import bone_rotations
-from lsc_pose_ros.synthetic.motion.rotations import about, from_quaternions
+from lsc_pose_ros.synthetic.mocap.retarget import retarget_motion
 
 # The person's left, up and forward in the file's axes, as the mapping names up and forward.
 AXES = {
@@ -44,13 +43,13 @@ LIMBS = {
 
 
 @pytest.fixture(scope='module')
-def body() -> Body:
+def body() -> BodyModel:
     return load_body()
 
 
 @pytest.fixture(scope='module')
-def rest(body: Body) -> Rest:
-    return shape_body(body, Figure())
+def rest(body: BodyModel) -> RestBody:
+    return shape_body(body, BodyShape())
 
 
 @pytest.fixture
@@ -109,8 +108,8 @@ def angle(first, second):
 
 def posed_joints(body, rest, clip):
     """Return the joints of the body in each frame of `clip`, heading and all."""
-    rotations = bone_rotations(body, rest, from_quaternions(clip.turns.astype(float)))
-    rotations[:, 0] = about(1, clip.heading) @ rotations[:, 0]
+    rotations = retarget_motion(body, rest, from_quaternions(clip.orientations.astype(float)))
+    rotations[:, 0] = axis_rotation(1, clip.heading) @ rotations[:, 0]
     return np.array([pose_body(body, rest, pose, np.zeros(3)).joints for pose in rotations])
 
 
@@ -123,7 +122,7 @@ def test_limbs_point_where_those_of_the_file_do(tmp_path, clip_of, body, rest, u
     clip = clip_of(poses, up, forward, order=order, frame_time=1.0)
     joints = posed_joints(body, rest, clip)
     bvh = load_bvh(tmp_path / 'clip.bvh')
-    places = place_joints(bvh).positions @ np.array(AXES[up, forward], float).T
+    places = joint_poses(bvh).positions @ np.array(AXES[up, forward], float).T
     for side, letter in (('Left', 'l'), ('Right', 'r')):
         for start, end, first, last in LIMBS.values():
             ours = [joints[:, JOINT_NUMBERS[f'{letter}_{name}']] for name in (start, end)]
@@ -143,18 +142,18 @@ def test_left_is_left_and_up_is_up(clip_of, body, rest):
 def test_trunk_and_head_turn_as_captured(clip_of, body, rest):
     bow = stand() | {'Spine': turn([1, 0, 0], 40), 'Head': turn([0, 1, 0], 50)}
     clip = clip_of([bow])
-    turns = from_quaternions(clip.turns[0].astype(float))
-    chest = turns[SEGMENTS.index('chest')]
+    orientations = from_quaternions(clip.orientations[0].astype(float))
+    chest = orientations[SEGMENTS.index('chest')]
     np.testing.assert_allclose(chest, turn([1, 0, 0], 40).as_matrix(), atol=1e-5)
     expected = (turn([1, 0, 0], 40) * turn([0, 1, 0], 50)).as_matrix()
-    np.testing.assert_allclose(turns[SEGMENTS.index('head')], expected, atol=1e-5)
+    np.testing.assert_allclose(orientations[SEGMENTS.index('head')], expected, atol=1e-5)
     joints = posed_joints(body, rest, clip)[0]
     assert joints[JOINT_NUMBERS['head'], 2] > 0.2
 
 
 def test_a_palm_that_faces_the_thigh_stays_so(clip_of):
     clip = clip_of([stand()])
-    hand = from_quaternions(clip.turns[0].astype(float))[SEGMENTS.index('l_hand')]
+    hand = from_quaternions(clip.orientations[0].astype(float))[SEGMENTS.index('l_hand')]
     # Straight but for the 10 degrees by which the arm does not hang.
     np.testing.assert_allclose(hand, turn([0, 0, 1], 10).as_matrix(), atol=1e-5)
 
@@ -164,7 +163,7 @@ def test_heading_is_where_the_person_turns_to_and_no_part_of_the_turns(clip_of):
     clip = clip_of([stand() | {'Hips': turn([0, 1, 0], value)} for value in degrees], 'z', 'x')
     np.testing.assert_allclose(np.degrees(clip.heading), degrees, atol=0.01)
     np.testing.assert_allclose(
-        clip.turns[1:], clip.turns[:1].repeat(len(degrees) - 1, 0), atol=1e-5
+        clip.orientations[1:], clip.orientations[:1].repeat(len(degrees) - 1, 0), atol=1e-5
     )
 
 
@@ -178,7 +177,7 @@ def test_a_limb_that_is_turned_about_itself_by_mistake_is_the_same_limb(clip_of)
         }
 
     clip = clip_of([bent(0), bent(180), bent(90)], order='XYZ')
-    arm = from_quaternions(clip.turns.astype(float))[:, SEGMENTS.index('l_upper_arm')]
+    arm = from_quaternions(clip.orientations.astype(float))[:, SEGMENTS.index('l_upper_arm')]
     np.testing.assert_allclose(arm[1:], arm[:1].repeat(2, 0), atol=1e-4)
 
 
@@ -208,7 +207,9 @@ def test_a_constant_error_of_the_turn_about_itself_is_taken_off_straight_arms(cl
         }
 
     straight = [
-        from_quaternions(clip_of([*[arm(error, 70)] * 20, arm(error, 0)]).turns[-1].astype(float))
+        from_quaternions(
+            clip_of([*[arm(error, 70)] * 20, arm(error, 0)]).orientations[-1].astype(float)
+        )
         for error in (0, 40)
     ]
     number = SEGMENTS.index('l_upper_arm')
@@ -218,10 +219,12 @@ def test_a_constant_error_of_the_turn_about_itself_is_taken_off_straight_arms(cl
 def test_bones_share_the_turns_of_segments(clip_of, body, rest):
     random = np.random.default_rng(5)
     clip = clip_of([possible_pose(random) for _ in range(10)], frame_time=1.0)
-    segments = from_quaternions(clip.turns.astype(float))
-    poses = bone_rotations(body, rest, segments)
-    straight = straighten(body, rest)
-    turns = np.array([pose_body(body, rest, pose, np.zeros(3)).turns for pose in poses])
+    segments = from_quaternions(clip.orientations.astype(float))
+    poses = retarget_motion(body, rest, segments)
+    straight = standing_orientations(body, rest)
+    orientations = np.array(
+        [pose_body(body, rest, pose, np.zeros(3)).orientations for pose in poses]
+    )
     numbers = {str(name): number for number, name in enumerate(body.bones)}
     whole = {
         'root': 'pelvis', 'spine01': 'chest', 'head': 'head', 'upperarm02.L': 'l_upper_arm',
@@ -230,9 +233,9 @@ def test_bones_share_the_turns_of_segments(clip_of, body, rest):
     }  # fmt: skip
     for bone, segment in whole.items():
         expected = segments[:, SEGMENTS.index(segment)] @ straight[numbers[bone]]
-        np.testing.assert_allclose(turns[:, numbers[bone]], expected, atol=1e-6)
+        np.testing.assert_allclose(orientations[:, numbers[bone]], expected, atol=1e-6)
     # The bones of the trunk turn ever more, from the pelvis to the chest.
-    spine = [turns[:, numbers[f'spine0{number}']] for number in (5, 4, 3, 2, 1)]
+    spine = [orientations[:, numbers[f'spine0{number}']] for number in (5, 4, 3, 2, 1)]
     away = [
         Rotation.from_matrix(segments[:, 0].transpose(0, 2, 1) @ bone).magnitude()
         for bone in spine
@@ -246,25 +249,27 @@ def test_a_shoulder_rises_with_its_arm_by_a_third_from_30_degrees(body, rest):
         raised = turn([0, 0, 1], degrees).as_matrix()
         for name in ('l_upper_arm', 'l_forearm', 'l_hand'):
             segments[number, SEGMENTS.index(name)] = raised
-    rotations = bone_rotations(body, rest, segments)
-    turns = np.array([pose_body(body, rest, pose, np.zeros(3)).turns for pose in rotations])
-    blade = turns[:, list(body.bones).index('shoulder01.L')]
+    rotations = retarget_motion(body, rest, segments)
+    orientations = np.array(
+        [pose_body(body, rest, pose, np.zeros(3)).orientations for pose in rotations]
+    )
+    blade = orientations[:, list(body.bones).index('shoulder01.L')]
     found = np.degrees(Rotation.from_matrix(blade).as_rotvec()[:, 2])
     np.testing.assert_allclose(found, [0, 20, 40], atol=1e-6)
-    other = turns[:, list(body.bones).index('shoulder01.R')]
+    other = orientations[:, list(body.bones).index('shoulder01.R')]
     np.testing.assert_allclose(other, np.tile(np.eye(3), (3, 1, 1)), atol=1e-9)
 
 
 def test_single_frames_that_nobody_can_do_are_not_sound(clip_of):
     frames = [stand() for _ in range(30)]
     frames[10] = stand() | {'Leftknee': turn([1, 0, 0], -80)}
-    sound = clip_of(frames).sound
+    valid = clip_of(frames).valid
     # From there to its neighbours is a leap.
-    np.testing.assert_array_equal(np.flatnonzero(~sound), [9, 10, 11])
+    np.testing.assert_array_equal(np.flatnonzero(~valid), [9, 10, 11])
 
 
 def test_a_file_that_nobody_can_do_is_refused(clip_of):
-    with pytest.raises(InputError, match=r'clip.bvh: nobody can move as .*map.yaml has it'):
+    with pytest.raises(InputError, match=r'clip.bvh: with the mapping .*map.yaml no frame'):
         clip_of([stand() | {'Leftknee': turn([1, 0, 0], -80)}])
 
 
@@ -272,8 +277,8 @@ def test_a_file_that_nobody_can_do_is_refused(clip_of):
 def test_bent_takes_off_what_the_file_bends_too_much(clip_of, monkeypatch, bent, degrees):
     monkeypatch.setattr('stick_figure.CROOKED', np.radians(20))
     monkeypatch.setattr('stick_figure.BENT', bent)
-    turns = from_quaternions(clip_of([stand()]).turns[0].astype(float))
-    upper, lower = (turns[SEGMENTS.index(name)] for name in ('l_upper_arm', 'l_forearm'))
+    orientations = from_quaternions(clip_of([stand()]).orientations[0].astype(float))
+    upper, lower = (orientations[SEGMENTS.index(name)] for name in ('l_upper_arm', 'l_forearm'))
     assert angle(upper[:, 1], lower[:, 1]) == pytest.approx(degrees, abs=0.01)
 
 
@@ -282,19 +287,19 @@ def test_a_neutral_frame_stands_for_one_without_rotations(clip_of):
     up = turn([1, 0, 0], 90)
     pose = stand() | {'Spine': turn([1, 0, 0], 20)}
     frames = [{'Hips': up}, pose | {'Hips': up}]
-    expected = clip_of([pose]).turns
+    expected = clip_of([pose]).orientations
     found = clip_of(frames, extra='neutral: 0\nskip: 1\n', order='YZX')
     # All lies in the neutral frame, so only what the trunk does from there is told.
     for name in ('pelvis', 'chest', 'head'):
         number = SEGMENTS.index(name)
         np.testing.assert_allclose(
-            abs(found.turns[0, number]), abs(expected[0, number]), atol=1e-5
+            abs(found.orientations[0, number]), abs(expected[0, number]), atol=1e-5
         )
 
 
 def test_fast_files_are_thinned_to_no_less_than_thirty_frames_a_second(clip_of):
     assert clip_of([stand()] * 12, frame_time=1 / 120).rate == pytest.approx(30, rel=1e-3)
-    assert len(clip_of([stand()] * 12, frame_time=1 / 120).turns) == 3
+    assert len(clip_of([stand()] * 12, frame_time=1 / 120).orientations) == 3
     assert clip_of([stand()] * 12, frame_time=1 / 50).rate == pytest.approx(50, rel=1e-3)
 
 
@@ -304,20 +309,20 @@ def test_fast_files_are_thinned_to_no_less_than_thirty_frames_a_second(clip_of):
         ('up: y', 'up: w', "up is 'w'"),
         ('forward: z', 'forward: -y', 'same axis'),
         ('axes: {up: y, forward: z}', 'axes: up', 'axes must be a table'),
-        ('pelvis:', 'pelvic:', 'unknown pelvic'),
-        ('  chest: {turns: Chest}\n', '', 'lacks chest'),
-        ('turns: Chest', 'turn: Chest', 'unknown turn'),
+        ('pelvis:', 'pelvic:', 'unknown keys: pelvic'),
+        ('  chest: {turns: Chest}\n', '', 'has no chest'),
+        ('turns: Chest', 'turn: Chest', 'unknown keys: turn;'),
         ('{turns: Chest}', '{turns: Chest, along: [Chest, Head]}', 'either turns'),
         ('{turns: Chest}', '{along: [Chest, Head]}', 'chest needs turns'),
         ('along: [Leftarm, Leftelbow]', 'turns: Leftarm', 'l_upper_arm needs along'),
         ('[Leftarm, Leftelbow]', '[Leftarm]', 'two joints'),
         ('[0, 0, 90]', '[0, 90]', 'three numbers'),
         ('{turns: Head}', '{turns: Head, bent: 3}', 'forearm and shank'),
-        ('[Leftleg, Leftknee]}', '[Leftleg, [Leftknee]]}', 'no name of a joint'),
+        ('[Leftleg, Leftknee]}', '[Leftleg, [Leftknee]]}', 'not the name of a joint'),
         ('[Leftknee, Leftankle]', '[Leftknee, Leftankle], bent: -4', 'bent is -4'),
         ('segments:', 'skip: -1\nsegments:', 'skip is -1'),
         ('segments:', 'neutral: first\nsegments:', "neutral is 'first'"),
-        ('segments:', 'segments: {', 'no YAML'),
+        ('segments:', 'segments: {', 'not valid YAML'),
     ],
 )
 def test_a_wrong_mapping_is_refused(tmp_path, old, new, says):
@@ -361,9 +366,9 @@ def test_clips_are_chosen_by_name(folder):
     assert mocap.clips == ('a/left', 'a/right', 'still', 'turning')
     assert mocap.only(['a/*', 'still']).clips == ('a/left', 'a/right', 'still')
     assert mocap.without(['a/*']).clips == ('still', 'turning')
-    with pytest.raises(InputError, match='b/\\* names none of the 4 clips'):
+    with pytest.raises(InputError, match='b/\\* matches none of the 4 clips'):
         mocap.only(['still', 'b/*'])
-    with pytest.raises(InputError, match='name fewer'):
+    with pytest.raises(InputError, match='exclude fewer'):
         mocap.without(['*'])
 
 
@@ -377,18 +382,18 @@ def test_a_folder_without_clips_is_refused(tmp_path):
 def test_clips_are_read_only_when_needed(folder, body, rest):
     (folder / 'still.bvh').write_text('NONSENSE', encoding='ascii')
     mocap = load_mocap(folder, folder / 'map.yaml')
-    mocap.without(['still']).draw(body, rest, 3, None, 1.0, np.random.default_rng(1))
+    mocap.without(['still']).sample(body, rest, 3, None, 1.0, np.random.default_rng(1))
     with pytest.raises(InputError, match=r'still.bvh, line 1'):
-        mocap.only(['still']).draw(body, rest, 3, None, 1.0, np.random.default_rng(1))
+        mocap.only(['still']).sample(body, rest, 3, None, 1.0, np.random.default_rng(1))
 
 
 @pytest.mark.parametrize('rate', [None, 24.0])
 def test_the_same_seed_draws_the_same_and_another_does_not(folder, body, rest, rate):
-    def draw(seed):
+    def sample(seed):
         mocap = load_mocap(folder, folder / 'map.yaml').only(['a/*'])
-        return mocap.draw(body, rest, 12, rate, 1.0, np.random.default_rng(seed))
+        return mocap.sample(body, rest, 12, rate, 1.0, np.random.default_rng(seed))
 
-    first, again, other = draw(4), draw(4), draw(5)
+    first, again, other = sample(4), sample(4), sample(5)
     assert first.rotations.shape == (12, len(body.bones), 3, 3)
     np.testing.assert_array_equal(first.rotations, again.rotations)
     np.testing.assert_array_equal(first.yaw, again.yaw)
@@ -397,25 +402,27 @@ def test_the_same_seed_draws_the_same_and_another_does_not(folder, body, rest, r
 
 def test_standing_still_does_not_dominate(folder, body, rest):
     mocap = load_mocap(folder, folder / 'map.yaml')
-    motion = mocap.draw(body, rest, 60, None, 1.0, np.random.default_rng(2))
+    motion = mocap.sample(body, rest, 60, None, 1.0, np.random.default_rng(2))
     still = abs(motion.rotations - motion.rotations[:, None]).max(axis=(2, 3, 4)) < 1e-3
     assert still.mean() < 0.2  # 300 of 440 frames, and in 90 the person only turns
 
 
 def test_a_stretch_is_smooth_and_keeps_the_speed_of_the_clip(folder, body, rest):
     mocap = load_mocap(folder, folder / 'map.yaml').only(['a/left'])
-    motion = mocap.draw(body, rest, 30, 60.0, np.pi, np.random.default_rng(6))
+    motion = mocap.sample(body, rest, 30, 60.0, np.pi, np.random.default_rng(6))
     bone = list(body.bones).index('upperarm02.L')
     speeds = []
     for before, after in zip(motion.rotations[:-1], motion.rotations[1:], strict=True):
-        ours = [pose_body(body, rest, pose, np.zeros(3)).turns[bone] for pose in (before, after)]
+        ours = [
+            pose_body(body, rest, pose, np.zeros(3)).orientations[bone] for pose in (before, after)
+        ]
         speeds.append(Rotation.from_matrix(ours[0].T @ ours[1]).magnitude())
     np.testing.assert_allclose(np.degrees(speeds), 3, atol=0.2)  # 6 degrees at 30 frames a second
 
 
 def test_a_motion_longer_than_its_clips_goes_on_without_a_leap(folder, body, rest):
     mocap = load_mocap(folder, folder / 'map.yaml').only(['a/*'])
-    motion = mocap.draw(body, rest, 300, 30.0, 1.0, np.random.default_rng(7))
+    motion = mocap.sample(body, rest, 300, 30.0, 1.0, np.random.default_rng(7))
     joints = np.array(
         [pose_body(body, rest, pose, np.zeros(3)).joints for pose in motion.rotations]
     )
@@ -427,10 +434,10 @@ def test_a_motion_longer_than_its_clips_goes_on_without_a_leap(folder, body, res
 def test_resampling_at_the_frames_gives_the_frames(clip_of):
     random = np.random.default_rng(9)
     clip = clip_of([possible_pose(random) for _ in range(5)], frame_time=1.0)
-    stretch = resample(clip, np.arange(5) / clip.rate)
-    same = abs((stretch.turns * clip.turns).sum(axis=-1))
+    section = resample(clip, np.arange(5) / clip.rate)
+    same = abs((section.orientations * clip.orientations).sum(axis=-1))
     np.testing.assert_allclose(same, 1, atol=1e-6)
-    np.testing.assert_allclose(stretch.heading, clip.heading, atol=1e-9)
+    np.testing.assert_allclose(section.heading, clip.heading, atol=1e-9)
 
 
 @pytest.mark.parametrize('widest', [0.3, 1.0, np.pi])
@@ -459,13 +466,13 @@ def test_distinct_poses_are_apart_and_near_all_others():
 
 
 def test_the_outline_stands_as_people_do():
-    joints = outline(np.broadcast_to(np.eye(3), (1, len(SEGMENTS), 3, 3)))[0]
+    joints = reference_joints(np.broadcast_to(np.eye(3), (1, len(SEGMENTS), 3, 3)))[0]
     assert joints[:, 1].max() == pytest.approx(0.71)  # head above, sole below the hips
     assert joints[:, 1].min() == pytest.approx(-0.895)
     left, right = joints[2:8], joints[8:]
     np.testing.assert_allclose(left, right * [-1, 1, 1])
     others = joints + np.array([[[0, 0, 0.3]], [[0.2, 0, 0]]])
-    assert nearest(joints, others) == pytest.approx(0.2)
+    assert pose_distance(joints, others) == pytest.approx(0.2)
 
 
 CLIPS = ('01_01', '05_11', '07_01', '09_10', '13_18', '13_30', '14_23')
@@ -487,16 +494,18 @@ def cmu_clips(cmu, shared):
 
 def hinge_bend(clip, upper, lower):
     """Return by how much, and how far forward, the lower part bends, in the upper one's axes."""
-    turns = from_quaternions(clip.turns[clip.sound].astype(float))
+    orientations = from_quaternions(clip.orientations[clip.valid].astype(float))
     along = np.einsum(
-        'tji,tj->ti', turns[:, SEGMENTS.index(upper)], -turns[:, SEGMENTS.index(lower), :, 1]
+        'tji,tj->ti',
+        orientations[:, SEGMENTS.index(upper)],
+        -orientations[:, SEGMENTS.index(lower), :, 1],
     )
     return np.degrees(np.arctan2(along[:, 2], -along[:, 1]))
 
 
 def test_elbows_of_the_cmu_clips_bend_forwards_also_where_they_were_flipped(cmu_clips):
     for clip in cmu_clips.values():
-        assert clip.sound.mean() > 0.4
+        assert clip.valid.mean() > 0.4
         for side in ('l', 'r'):
             # Arms that are held out straight may be bent back a little.
             elbow = hinge_bend(clip, f'{side}_upper_arm', f'{side}_forearm')
@@ -519,7 +528,7 @@ def test_thighs_of_the_cmu_clips_point_where_the_files_have_them(cmu_clips, shar
     for name, clip in cmu_clips.items():
         joints = posed_joints(body, rest, clip)
         bvh = load_bvh(shared / 'mocap_cmu' / f'{name}.bvh')
-        places = place_joints(bvh).positions[1:]
+        places = joint_poses(bvh).positions[1:]
         for letter in ('l', 'r'):
             for (start, end), (first, last) in (
                 (('hip', 'knee'), ('Thigh', 'Shin')),
@@ -532,11 +541,11 @@ def test_thighs_of_the_cmu_clips_point_where_the_files_have_them(cmu_clips, shar
 
 @pytest.mark.parametrize('rate', [None, 30.0])
 def test_cmu_motion_is_drawn(cmu, body, rest, rate):
-    motion = cmu.draw(body, rest, 40, rate, 0.5, np.random.default_rng(1))
+    motion = cmu.sample(body, rest, 40, rate, 0.5, np.random.default_rng(1))
     assert np.isfinite(motion.rotations).all()
     assert abs(motion.yaw).max() <= 0.5
-    unit = motion.rotations @ motion.rotations.swapaxes(-1, -2)
-    np.testing.assert_allclose(unit, np.broadcast_to(np.eye(3), unit.shape), atol=1e-6)
+    normalised = motion.rotations @ motion.rotations.swapaxes(-1, -2)
+    np.testing.assert_allclose(normalised, np.broadcast_to(np.eye(3), normalised.shape), atol=1e-6)
     poses = [pose_body(body, rest, pose, np.zeros(3)).joints for pose in motion.rotations]
     body_yaw = (
         np.array(poses)[:, JOINT_NUMBERS['l_hip']] - np.array(poses)[:, JOINT_NUMBERS['r_hip']]

@@ -4,28 +4,28 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.synthetic.body.body_file import load_body
-from lsc_pose_ros.synthetic.body.body_mesh import Figure, shape_body
-from lsc_pose_ros.synthetic.body.bone_rotations import bone_heads, bone_turns, rig_of
+from lsc_pose_ros.synthetic.body.body_mesh import BodyShape, shape_body
+from lsc_pose_ros.synthetic.body.bone_rotations import bone_heads, bone_orientations, rig_of
 from lsc_pose_ros.synthetic.motion.inverse_kinematics import (
-    REACHED,
-    Foot,
-    face_palm,
-    hand_place,
-    lay_palm,
-    plant,
-    reach,
+    REACH_TOLERANCE,
+    FootTarget,
+    align_palm,
+    hand_position,
+    pronation_towards,
+    solve_arm,
+    solve_leg,
 )
 from lsc_pose_ros.synthetic.motion.joint_angles import (
     ANGLE_NUMBERS,
     ANGLES,
     ARMS,
-    HIGHEST,
     LEGS,
-    LOWEST,
+    LOWER_LIMITS,
+    UPPER_LIMITS,
     within_limits,
 )
 
-FIGURES = (Figure(30, 1.0), Figure(6, 0.5), Figure(60, 0.0, weight=0.8))
+FIGURES = (BodyShape(30, 1.0), BodyShape(6, 0.5), BodyShape(60, 0.0, weight=0.8))
 MIRROR = np.array([-1.0, 1.0, 1.0])
 ELBOW_DOWN = 0.3
 
@@ -38,48 +38,50 @@ def rig(request):
 
 def random_arms(count):
     random = np.random.default_rng(7)
-    poses = within_limits(LOWEST + (HIGHEST - LOWEST) * random.random((count, len(ANGLES))))
+    poses = within_limits(
+        LOWER_LIMITS + (UPPER_LIMITS - LOWER_LIMITS) * random.random((count, len(ANGLES)))
+    )
     arms = poses[:, ARMS[0]]
     arms[:, 5:7] = 0.0  # the wrist straight
     return arms
 
 
 def pose(rig, angles):
-    turns = bone_turns(angles, rig.straight, rig.parts)
-    return turns, bone_heads(turns, rig.parents, rig.heads)
+    orientations = bone_orientations(angles, rig.straight, rig.parts)
+    return orientations, bone_heads(orientations, rig.parents, rig.heads)
 
 
 def chest_and_hand(rig, angles, side):
     """Where the middle of a hand is in the chest's axes, from the chest's bone."""
-    turns, heads = pose(rig, angles)
+    orientations, heads = pose(rig, angles)
     chest = rig.numbers['spine01']
     hand = 0.5 * (heads[rig.numbers[f'wrist.{side}']] + heads[rig.numbers[f'finger3-1.{side}']])
-    return turns[chest].T @ (hand - heads[chest])
+    return orientations[chest].T @ (hand - heads[chest])
 
 
 def test_the_hand_is_where_the_body_has_it(rig):
     for arm in random_arms(30):
         angles = np.zeros(len(ANGLES))
         angles[ARMS[0]] = angles[ARMS[1]] = arm
-        place = hand_place(arm, rig.shoulder, rig.arm)
+        position = hand_position(arm, rig.shoulder, rig.arm)
         size = rig.arm.sum()
-        np.testing.assert_allclose(chest_and_hand(rig, angles, 'L'), place, atol=0.02 * size)
+        np.testing.assert_allclose(chest_and_hand(rig, angles, 'L'), position, atol=0.02 * size)
         np.testing.assert_allclose(
-            chest_and_hand(rig, angles, 'R'), MIRROR * place, atol=0.025 * size
+            chest_and_hand(rig, angles, 'R'), MIRROR * position, atol=0.025 * size
         )
 
 
 def test_hands_reach_whatever_some_posture_reaches(rig):
     misses = []
     for arm in random_arms(200):
-        place = hand_place(arm, rig.shoulder, rig.arm)
-        reached, miss = reach(rig, np.zeros(len(arm)), place, ELBOW_DOWN)
-        gap = hand_place(reached, rig.shoulder, rig.arm) - place
+        position = hand_position(arm, rig.shoulder, rig.arm)
+        reached, miss = solve_arm(rig, np.zeros(len(arm)), position, ELBOW_DOWN)
+        gap = hand_position(reached, rig.shoulder, rig.arm) - position
         assert np.linalg.norm(gap) == pytest.approx(miss, abs=1e-9)
-        assert (reached >= LOWEST[ARMS[0]] - 1e-9).all()
-        assert (reached <= HIGHEST[ARMS[0]] + 1e-9).all()
+        assert (reached >= LOWER_LIMITS[ARMS[0]] - 1e-9).all()
+        assert (reached <= UPPER_LIMITS[ARMS[0]] + 1e-9).all()
         misses.append(miss)
-    assert np.mean(np.array(misses) < REACHED) > 0.9
+    assert np.mean(np.array(misses) < REACH_TOLERANCE) > 0.9
 
 
 def test_the_elbow_hangs_unless_it_is_to_be_raised(rig):
@@ -87,16 +89,16 @@ def test_the_elbow_hangs_unless_it_is_to_be_raised(rig):
     heights = []
     for swivel in (0.0, 90.0):
         angles = np.zeros(len(ANGLES))
-        angles[ARMS[0]], miss = reach(rig, angles[ARMS[0]], ahead, np.radians(swivel))
-        assert miss < REACHED
+        angles[ARMS[0]], miss = solve_arm(rig, angles[ARMS[0]], ahead, np.radians(swivel))
+        assert miss < REACH_TOLERANCE
         heights.append(pose(rig, angles)[1][rig.numbers['lowerarm01.L']])
     assert heights[1][1] > heights[0][1] + 0.15 * rig.arm.sum()
     assert heights[1][0] > heights[0][0] + 0.1 * rig.arm.sum()
 
 
 def test_an_arm_is_stretched_towards_what_is_too_far_away(rig):
-    place = rig.shoulder[2] + [0.0, 0.0, 3.0]
-    reached, miss = reach(rig, np.zeros(9), place, ELBOW_DOWN)
+    position = rig.shoulder[2] + [0.0, 0.0, 3.0]
+    reached, miss = solve_arm(rig, np.zeros(9), position, ELBOW_DOWN)
     assert miss == pytest.approx(3.0 - rig.arm.sum(), abs=0.05)
     assert reached[3] < np.radians(5)
 
@@ -112,28 +114,28 @@ def test_palms_face_what_they_lie_on(rig):
             angles = np.zeros(len(ANGLES))
             angles[ARMS[0]] = arm
             angles[number] = pronation
-            turns, _ = pose(rig, angles)
+            orientations, _ = pose(rig, angles)
             wrist, chest = rig.numbers['wrist.L'], rig.numbers['spine01']
-            palm = turns[wrist] @ rig.straight[wrist].T @ np.array([-1.0, 0, 0])
-            return turns[chest].T @ palm @ wanted
+            palm = orientations[wrist] @ rig.straight[wrist].T @ np.array([-1.0, 0, 0])
+            return orientations[chest].T @ palm @ wanted
 
-        tried = np.linspace(LOWEST[number], HIGHEST[number], 50)
+        tried = np.linspace(LOWER_LIMITS[number], UPPER_LIMITS[number], 50)
         best = max(towards(pronation) for pronation in tried)
-        assert towards(face_palm(arm, wanted)) > best - 0.02
+        assert towards(pronation_towards(arm, wanted)) > best - 0.02
 
 
 def test_a_hand_lies_level_on_what_is_before_it(rig):
     arm = np.zeros(9)
-    place = np.array([0.0, rig.shoulder[2, 1] - 0.5 * rig.arm[0], 0.7 * rig.arm[0]])
-    arm, miss = reach(rig, arm, place, np.radians(40))
-    assert miss < REACHED
+    position = np.array([0.0, rig.shoulder[2, 1] - 0.5 * rig.arm[0], 0.7 * rig.arm[0]])
+    arm, miss = solve_arm(rig, arm, position, np.radians(40))
+    assert miss < REACH_TOLERANCE
     inwards = np.array([0.0, 0.0, -1.0])  # a hand on the chest
-    lay_palm(arm, inwards)
+    align_palm(arm, inwards)
     angles = np.zeros(len(ANGLES))
     angles[ARMS[0]] = arm
-    turns, _ = pose(rig, angles)
+    orientations, _ = pose(rig, angles)
     wrist = rig.numbers['wrist.L']
-    along = turns[wrist] @ rig.straight[wrist].T @ np.array([0.0, -1.0, 0.0])
+    along = orientations[wrist] @ rig.straight[wrist].T @ np.array([0.0, -1.0, 0.0])
     assert abs(along @ inwards) < 0.35
 
 
@@ -145,16 +147,16 @@ def test_a_foot_is_put_down_where_it_should_and_level(rig, right):
     for _ in range(40):
         angles = np.zeros(len(ANGLES))
         angles[ANGLE_NUMBERS['lean']], angles[ANGLE_NUMBERS['list']] = random.normal(0, 0.15, 2)
-        turns, _ = pose(rig, angles)
+        orientations, _ = pose(rig, angles)
         low, high = (0.05, -0.95, 0.0), (0.3, -0.6, 0.3)
         ankle = length * random.uniform(low, high) * [sign, 1.0, 1.0]
-        foot = Foot(ankle, random.uniform(0.0, 0.3), random.choice([0.0, 0.4]))
-        angles[LEGS[int(right)]] = plant(rig, turns[0], foot, right=right)
-        turns, heads = pose(rig, angles)
+        foot = FootTarget(ankle, random.uniform(0.0, 0.3), random.choice([0.0, 0.4]))
+        angles[LEGS[int(right)]] = solve_leg(rig, orientations[0], foot, right=right)
+        orientations, heads = pose(rig, angles)
         number = rig.numbers[f'foot.{side}']
         np.testing.assert_allclose(heads[number], ankle, atol=0.012 * length)
-        sole = turns[number] @ rig.straight[number].T
-        if angles[LEGS[int(right)]][4] > LOWEST[LEGS[0]][4] + 1e-6:
+        sole = orientations[number] @ rig.straight[number].T
+        if angles[LEGS[int(right)]][4] > LOWER_LIMITS[LEGS[0]][4] + 1e-6:
             assert sole[1, 2] == pytest.approx(-np.sin(foot.pitch), abs=0.02)
         # The knee bends forwards, the toes point where they should.
         hip, knee = (heads[rig.numbers[f'{name}.{side}']] for name in ('upperleg01', 'lowerleg01'))

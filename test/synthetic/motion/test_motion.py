@@ -5,9 +5,9 @@ import pytest
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.synthetic.body.body_file import load_body
-from lsc_pose_ros.synthetic.body.body_mesh import Figure, pose_body, shape_body
-from lsc_pose_ros.synthetic.motion.motion import draw_motion, interpolate
-from lsc_pose_ros.synthetic.motion.rotations import rotation_vectors
+from lsc_pose_ros.synthetic.body.body_mesh import BodyShape, pose_body, shape_body
+from lsc_pose_ros.synthetic.geometry.rotations import rotation_vectors
+from lsc_pose_ros.synthetic.motion.motion import interpolate_keys, sample_motion
 
 RATE = 30.0
 
@@ -23,7 +23,7 @@ def body():
 
 @pytest.fixture(scope='module')
 def rest(body):
-    return shape_body(body, Figure(30, 1.0))
+    return shape_body(body, BodyShape(30, 1.0))
 
 
 def joints_of(body, rest, motion):
@@ -35,7 +35,7 @@ def joints_of(body, rest, motion):
 @pytest.mark.parametrize('rate', [None, RATE])
 def test_motion_is_made_of_rotations_and_keeps_the_yaw(body, rest, rate):
     for seed in range(3):
-        motion = draw_motion(body, rest, 40, rate, 0.4, source(seed))
+        motion = sample_motion(body, rest, 40, rate, 0.4, source(seed))
         assert motion.rotations.shape == (40, len(body.bones), 3, 3)
         assert motion.yaw.shape == (40,)
         squared = motion.rotations @ motion.rotations.swapaxes(2, 3)
@@ -46,9 +46,9 @@ def test_motion_is_made_of_rotations_and_keeps_the_yaw(body, rest, rate):
 
 @pytest.mark.parametrize('rate', [None, RATE])
 def test_motion_is_the_same_for_the_same_seed(body, rest, rate):
-    first = draw_motion(body, rest, 20, rate, 1.0, source(9))
-    again = draw_motion(body, rest, 20, rate, 1.0, source(9))
-    other = draw_motion(body, rest, 20, rate, 1.0, source(10))
+    first = sample_motion(body, rest, 20, rate, 1.0, source(9))
+    again = sample_motion(body, rest, 20, rate, 1.0, source(9))
+    other = sample_motion(body, rest, 20, rate, 1.0, source(10))
     np.testing.assert_array_equal(first.rotations, again.rotations)
     np.testing.assert_array_equal(first.yaw, again.yaw)
     assert np.abs(first.rotations - other.rotations).max() > 0.1
@@ -56,23 +56,23 @@ def test_motion_is_the_same_for_the_same_seed(body, rest, rate):
 
 def test_motion_is_smooth(body, rest):
     for seed in range(6):
-        motion = draw_motion(body, rest, 90, RATE, 1.0, source(seed))
+        motion = sample_motion(body, rest, 90, RATE, 1.0, source(seed))
         joints = joints_of(body, rest, motion)
-        steps = np.linalg.norm(np.diff(joints, axis=0), axis=2)
+        secants = np.linalg.norm(np.diff(joints, axis=0), axis=2)
         # The fastest strikes of trained people are some 10 m/s.
-        assert steps.max() * RATE < 10
-        assert steps.mean() * RATE > 0.03
+        assert secants.max() * RATE < 10
+        assert secants.mean() * RATE > 0.03
         between = motion.rotations[1:] @ motion.rotations[:-1].swapaxes(2, 3)
         assert np.degrees(np.linalg.norm(rotation_vectors(between), axis=-1)).max() < 35
         assert np.degrees(np.abs(np.diff(motion.yaw))).max() < 3
 
 
 def test_a_single_frame_of_a_video_can_be_had(body, rest):
-    assert draw_motion(body, rest, 1, RATE, 0.0, source(0)).rotations.shape[0] == 1
+    assert sample_motion(body, rest, 1, RATE, 0.0, source(0)).rotations.shape[0] == 1
 
 
 def test_poses_have_nothing_to_do_with_each_other(body, rest):
-    motion = draw_motion(body, rest, 60, None, np.pi, source(3))
+    motion = sample_motion(body, rest, 60, None, np.pi, source(3))
     joints = joints_of(body, rest, motion)
     hands = joints[:, JOINT_NUMBERS['l_hand']]
     assert np.median(np.linalg.norm(np.diff(hands, axis=0), axis=1)) > 0.3
@@ -81,7 +81,7 @@ def test_poses_have_nothing_to_do_with_each_other(body, rest):
 
 def test_hands_and_feet_get_everywhere_on_either_side_alike(body, rest):
     """A training set needs variety; and nobody is left-handed on an average."""
-    joints = joints_of(body, rest, draw_motion(body, rest, 800, None, 0.0, source(1)))
+    joints = joints_of(body, rest, sample_motion(body, rest, 800, None, 0.0, source(1)))
     at = {name: joints[:, number] for name, number in JOINT_NUMBERS.items()}
     for side in ('l', 'r'):
         hand = at[f'{side}_hand'] - at[f'{side}_shoulder']
@@ -102,13 +102,13 @@ def test_hands_and_feet_get_everywhere_on_either_side_alike(body, rest):
 def naive_interpolate(time, key_times, keys):
     """Fritsch and Butland's interpolant of one value, from the equation."""
     spans = np.diff(key_times)
-    steps = np.diff(keys) / spans
+    secants = np.diff(keys) / spans
     slopes = np.zeros(len(keys))
     for key in range(1, len(keys) - 1):
-        before, after = steps[key - 1], steps[key]
+        before, after = secants[key - 1], secants[key]
         if before * after > 0:
-            share = (spans[key - 1] + 2 * spans[key]) / (3 * (spans[key - 1] + spans[key]))
-            slopes[key] = before * after / (share * after + (1 - share) * before)
+            blend = (spans[key - 1] + 2 * spans[key]) / (3 * (spans[key - 1] + spans[key]))
+            slopes[key] = before * after / (blend * after + (1 - blend) * before)
     for first in range(len(spans)):
         if key_times[first] <= time <= key_times[first + 1]:
             u = (time - key_times[first]) / spans[first]
@@ -128,7 +128,7 @@ def test_interpolation_is_the_interpolant_of_the_equation_and_never_overshoots()
     keys[4] = keys[3]
     times = np.sort(np.concatenate([key_times, random.random(80) * (key_times[-1] + 0.5)]))
     times = np.maximum(times, key_times[0])
-    values = interpolate(times, key_times, keys)
+    values = interpolate_keys(times, key_times, keys)
     for column in range(3):
         expected = [naive_interpolate(time, key_times, keys[:, column]) for time in times]
         np.testing.assert_allclose(values[:, column], expected, atol=1e-9)
@@ -138,6 +138,11 @@ def test_interpolation_is_the_interpolant_of_the_equation_and_never_overshoots()
         assert (values[inside] >= low - 1e-9).all()
         assert (values[inside] <= high + 1e-9).all()
     # The speed has no leap at a key.
-    inner, step = key_times[1:-1], 1e-6
-    before, at, after = (interpolate(inner + d, key_times, keys) for d in (-step, 0.0, step))
-    np.testing.assert_allclose((at - before) / step, (after - at) / step, atol=1e-3)
+    inner, seconds_per_key = key_times[1:-1], 1e-6
+    before, at, after = (
+        interpolate_keys(inner + d, key_times, keys)
+        for d in (-seconds_per_key, 0.0, seconds_per_key)
+    )
+    np.testing.assert_allclose(
+        (at - before) / seconds_per_key, (after - at) / seconds_per_key, atol=1e-3
+    )

@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.synthetic.body.body_file import load_body
-from lsc_pose_ros.synthetic.body.body_mesh import Figure, shape_body
-from lsc_pose_ros.synthetic.body.bone_rotations import bone_heads, bone_turns
-from lsc_pose_ros.synthetic.body.self_collision import DEEPEST, deepest_overlap, mannequin_of
-from lsc_pose_ros.synthetic.motion import arm_gestures as gestures
-from lsc_pose_ros.synthetic.motion import lower_body_poses as stances
-from lsc_pose_ros.synthetic.motion.arm_gestures import touch_body
+from lsc_pose_ros.synthetic.body.body_mesh import BodyShape, shape_body
+from lsc_pose_ros.synthetic.body.bone_rotations import bone_heads, bone_orientations
+from lsc_pose_ros.synthetic.body.self_collision import (
+    MAX_PENETRATION,
+    deepest_penetration,
+    fit_collision_body,
+)
+from lsc_pose_ros.synthetic.motion import body_touch, lower_body_poses
+from lsc_pose_ros.synthetic.motion.body_touch import touch_body
 from lsc_pose_ros.synthetic.motion.gait import stride_angles
 from lsc_pose_ros.synthetic.motion.joint_angles import (
     ANGLE_NUMBERS,
@@ -18,11 +21,11 @@ from lsc_pose_ros.synthetic.motion.joint_angles import (
     LEGS,
     within_limits,
 )
-from lsc_pose_ros.synthetic.motion.lower_body_poses import draw_stance, let_arms_hang
-from lsc_pose_ros.synthetic.motion.whole_body_poses import draw_gesture, draw_pose
-from lsc_pose_ros.synthetic.sampling import Chances
+from lsc_pose_ros.synthetic.motion.lower_body_poses import let_arms_hang, sample_lower_body
+from lsc_pose_ros.synthetic.motion.whole_body_poses import sample_gesture, sample_pose
+from lsc_pose_ros.synthetic.sampling import RandomStream
 
-FIGURES = (Figure(30, 1.0), Figure(6, 0.5), Figure(45, 0.0, weight=0.95, muscle=0.4))
+FIGURES = (BodyShape(30, 1.0), BodyShape(6, 0.5), BodyShape(45, 0.0, weight=0.95, muscle=0.4))
 
 # Winter's shares of the body's mass, with the bone at which each part begins and ends.
 LIMB_MASSES = (
@@ -39,44 +42,46 @@ def source(seed):
 
 
 @pytest.fixture(scope='module', params=FIGURES)
-def mannequin(request):
+def collision_body(request):
     body = load_body()
-    return mannequin_of(body, shape_body(body, request.param))
+    return fit_collision_body(body, shape_body(body, request.param))
 
 
-def heads_of(mannequin, angles):
-    rig = mannequin.rig
-    turns = bone_turns(angles, rig.straight, rig.parts)
-    heads = bone_heads(turns, rig.parents, rig.heads)
+def heads_of(collision_body, angles):
+    rig = collision_body.rig
+    orientations = bone_orientations(angles, rig.straight, rig.parts)
+    heads = bone_heads(orientations, rig.parents, rig.heads)
     return {name: heads[number] for name, number in rig.numbers.items()}
 
 
 def draw_only(monkeypatch, *names):
     """Let nothing but the stances called `names` be drawn."""
-    kept = tuple(each for each in stances._STANCES if each[1][1].__name__ in names)
+    kept = tuple(
+        each for each in lower_body_poses._LOWER_BODY_KINDS if each[1][1].__name__ in names
+    )
     assert len(kept) == len(names)
-    monkeypatch.setattr(stances, '_STANCES', kept)
+    monkeypatch.setattr(lower_body_poses, '_LOWER_BODY_KINDS', kept)
 
 
-def test_poses_keep_limits_and_hardly_ever_go_through_the_body(mannequin):
+def test_poses_keep_limits_and_hardly_ever_go_through_the_body(collision_body):
     random, depths = source(0), []
     for _ in range(200):
-        angles = draw_pose(mannequin, Chances(random)).angles
+        angles = sample_pose(collision_body, RandomStream(random)).angles
         np.testing.assert_allclose(within_limits(angles), angles, atol=1e-12)
-        depths.append(deepest_overlap(mannequin, angles[None])[0])
+        depths.append(deepest_penetration(collision_body, angles[None])[0])
     # The rest is drawn anew.
-    assert np.mean(np.array(depths) <= DEEPEST) > 0.8
+    assert np.mean(np.array(depths) <= MAX_PENETRATION) > 0.8
 
 
-def test_who_stands_stands_on_both_feet_and_does_not_fall(mannequin, monkeypatch):
-    names = ('_at_ease', '_apart', '_stride', '_squat', '_stoop')
+def test_who_stands_stands_on_both_feet_and_does_not_fall(collision_body, monkeypatch):
+    names = ('_stand_at_ease', '_stand_apart', '_stand_in_stride', '_squat', '_stoop')
     draw_only(monkeypatch, *names)
     random = source(1)
-    length = mannequin.rig.leg[0] + mannequin.rig.leg[1]
+    length = collision_body.rig.leg[0] + collision_body.rig.leg[1]
     level, off, planted = [], [], []
     for _ in range(200):
-        angles = within_limits(draw_stance(mannequin.rig, Chances(random)).angles)
-        at = heads_of(mannequin, angles)
+        angles = within_limits(sample_lower_body(collision_body.rig, RandomStream(random)).angles)
+        at = heads_of(collision_body, angles)
         mass = sum(share * 0.5 * (at[first] + at[last]) for share, first, last in MASSES)
         soles = np.array(
             [at[f'{bone}.{side}'] for side in ('L', 'R') for bone in ('foot', 'toes')]
@@ -91,20 +96,20 @@ def test_who_stands_stands_on_both_feet_and_does_not_fall(mannequin, monkeypatch
     assert all(planted)
 
 
-def test_who_sits_has_bent_hips_and_feet_before_or_below(mannequin, monkeypatch):
+def test_who_sits_has_bent_hips_and_feet_before_or_below(collision_body, monkeypatch):
     draw_only(monkeypatch, '_sit')
     random = source(2)
     for _ in range(60):
-        stance = draw_stance(mannequin.rig, Chances(random))
-        assert stance.kind == 'sit'
-        angles = within_limits(stance.angles)
-        at = heads_of(mannequin, angles)
+        lower_body = sample_lower_body(collision_body.rig, RandomStream(random))
+        assert lower_body.kind == 'sit'
+        angles = within_limits(lower_body.angles)
+        at = heads_of(collision_body, angles)
         trunk = at['neck01'] - at['root']
-        length = mannequin.rig.leg[1]
+        length = collision_body.rig.leg[1]
         assert min(at['foot.L'][1], at['foot.R'][1]) < -0.5 * length  # the other one may be on it
         for side in ('L', 'R'):
             thigh = at[f'lowerleg01.{side}'] - at[f'upperleg01.{side}']
-            assert thigh[2] > 0.5 * mannequin.rig.leg[0]
+            assert thigh[2] > 0.5 * collision_body.rig.leg[0]
             assert thigh @ trunk > -0.75 * np.linalg.norm(thigh) * np.linalg.norm(trunk)
 
 
@@ -128,30 +133,30 @@ def test_a_stride_is_left_right_and_goes_round():
 
 
 @pytest.mark.parametrize('side', [0, 1])
-@pytest.mark.parametrize('touch', [touch for _, touch in gestures._TOUCHES],
+@pytest.mark.parametrize('touch', [touch for _, touch in body_touch.TOUCH_TARGETS],
                          ids=lambda touch: f'{touch.part}{touch.which}')  # fmt: skip
-def test_hands_lie_on_the_body_but_not_in_it(mannequin, side, touch):
+def test_hands_lie_on_the_body_but_not_in_it(collision_body, side, touch):
     random, near = source(4), []
-    rig, capsules = mannequin
+    rig, capsules = collision_body
     for _ in range(12):
         angles = np.zeros(len(ANGLES))
         let_arms_hang(angles)
         before = angles.copy()
-        touch_body(mannequin, angles, side, touch, Chances(random))
-        assert deepest_overlap(mannequin, angles[None])[0] <= DEEPEST
+        touch_body(collision_body, angles, side, touch, RandomStream(random))
+        assert deepest_penetration(collision_body, angles[None])[0] <= MAX_PENETRATION
         others = np.ones(len(ANGLES), bool)
         others[ARMS[side]] = False
         np.testing.assert_array_equal(angles[others], before[others])
         if np.array_equal(angles, before):
             continue  # out of reach
-        at = heads_of(mannequin, angles)
+        at = heads_of(collision_body, angles)
         letter = 'LR'[side]
         palm = 0.5 * (at[f'wrist.{letter}'] + at[f'finger3-1.{letter}'])
-        number = gestures._capsule(capsules.names, touch, side)
-        turns = bone_turns(angles, rig.straight, rig.parts)
+        number = body_touch.capsule_number(capsules.names, touch, side)
+        orientations = bone_orientations(angles, rig.straight, rig.parts)
         bone = capsules.bones[number]
         name = next(name for name, each in rig.numbers.items() if each == bone)
-        start, end = at[name] + capsules.ends[number] @ turns[bone].T
+        start, end = at[name] + capsules.ends[number] @ orientations[bone].T
         along = end - start
         share = np.clip((palm - start) @ along / max(along @ along, 1e-9), 0, 1)
         off = np.linalg.norm(palm - start - share * along) - capsules.radii[number]
@@ -161,11 +166,11 @@ def test_hands_lie_on_the_body_but_not_in_it(mannequin, side, touch):
     assert near or touch.part.startswith(('own_', 'other_', 'neck'))
 
 
-def test_gestures_keep_the_legs_and_now_and_then_an_arm(mannequin):
+def test_gestures_keep_the_legs_and_now_and_then_an_arm(collision_body):
     random, kept = source(5), 0
-    before = draw_pose(mannequin, Chances(random))
+    before = sample_pose(collision_body, RandomStream(random))
     for _ in range(40):
-        after = draw_gesture(mannequin, before, Chances(random))
+        after = sample_gesture(collision_body, before, RandomStream(random))
         for side in (0, 1):
             np.testing.assert_allclose(after.angles[LEGS[side]], before.angles[LEGS[side]])
             kept += np.array_equal(after.angles[ARMS[side]], before.angles[ARMS[side]])
@@ -174,26 +179,26 @@ def test_gestures_keep_the_legs_and_now_and_then_an_arm(mannequin):
 
 def test_chances_are_as_they_say():
     random = source(6)
-    drawn = [Chances(random, 16) for _ in range(4000)]
-    bell = np.array([chances.near(3.0, 2.0) for chances in drawn])
+    drawn = [RandomStream(random, 16) for _ in range(4000)]
+    bell = np.array([stream.normal(3.0, 2.0) for stream in drawn])
     assert bell.mean() == pytest.approx(3.0, abs=0.1)
     assert bell.std() == pytest.approx(2.0, abs=0.1)
-    assert np.mean([chances.happens(0.3) for chances in drawn]) == pytest.approx(0.3, abs=0.03)
-    between = [chances.between(-1.0, 3.0) for chances in drawn]
+    assert np.mean([stream.bernoulli(0.3) for stream in drawn]) == pytest.approx(0.3, abs=0.03)
+    between = [stream.between(-1.0, 3.0) for stream in drawn]
     assert min(between) >= -1.0
     assert max(between) < 3.0
-    names = [chances.choose(((1.0, 'rare'), (3.0, 'often'))) for chances in drawn]
+    names = [stream.choose(((1.0, 'rare'), (3.0, 'often'))) for stream in drawn]
     assert names.count('often') == pytest.approx(3000, abs=120)
     # What one takes does not matter to the next.
     one, other = source(7), source(7)
-    Chances(one).share()
-    Chances(other)
-    assert Chances(one).share() == Chances(other).share()
+    RandomStream(one).uniform()
+    RandomStream(other)
+    assert RandomStream(one).uniform() == RandomStream(other).uniform()
 
 
-def test_a_pose_never_needs_more_chances_than_are_drawn(mannequin, monkeypatch):
+def test_a_pose_never_needs_more_chances_than_are_drawn(collision_body, monkeypatch):
     """Every try at the arms fails; both arms touch the body or close on each other."""
-    monkeypatch.setattr('lsc_pose_ros.synthetic.motion.whole_body_poses.DEEPEST', -1.0)
+    monkeypatch.setattr('lsc_pose_ros.synthetic.motion.whole_body_poses.MAX_PENETRATION', -1.0)
     random = source(8)
     for _ in range(300):
-        draw_pose(mannequin, Chances(random))
+        sample_pose(collision_body, RandomStream(random))

@@ -6,25 +6,25 @@ import pytest
 from lsc_pose_ros.data_types.camera import Intrinsics, project
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
-from lsc_pose_ros.synthetic.body.body_file import Body, load_body
+from lsc_pose_ros.synthetic.body.body_file import BodyModel, load_body
 from lsc_pose_ros.synthetic.body.body_mesh import (
-    Figure,
-    local_rotations,
+    BodyShape,
+    named_rotations,
     pose_body,
     shape_body,
 )
-from lsc_pose_ros.synthetic.scene.mesh_render import NEAREST, PARTS, Mesh, render_meshes
+from lsc_pose_ros.synthetic.scene.mesh_render import NEAREST, SUBPIXELS, RenderMesh, render_meshes
 
 WIDTH, HEIGHT = 64, 48
 CAMERA = Intrinsics(60.0, 62.0, 31.3, 23.6)
 
 
 @pytest.fixture(scope='module')
-def body() -> Body:
+def body() -> BodyModel:
     return load_body()
 
 
-def twin(meshes, camera, width, height):
+def naive_render(meshes, camera, width, height):
     """Every pixel against every triangle, with the corners rounded as the module says."""
     depth = np.full((height, width), np.inf)
     labels = np.full((height, width), NO_BODY, np.int32)
@@ -34,8 +34,8 @@ def twin(meshes, camera, width, height):
             corners = mesh.vertices[triangle]
             if not (corners[:, 2] >= NEAREST).all():
                 continue
-            u = np.floor((camera.cx + camera.fx * corners[:, 0] / corners[:, 2]) * PARTS + 0.5)
-            v = np.floor((camera.cy + camera.fy * corners[:, 1] / corners[:, 2]) * PARTS + 0.5)
+            u = np.floor((camera.cx + camera.fx * corners[:, 0] / corners[:, 2]) * SUBPIXELS + 0.5)
+            v = np.floor((camera.cy + camera.fy * corners[:, 1] / corners[:, 2]) * SUBPIXELS + 0.5)
             # Barycentric weights: w with sum w = 1 and sum w_i corner_i = pixel.
             system = np.stack([u, v, np.ones(3)])
             area = round(np.linalg.det(system))
@@ -44,7 +44,7 @@ def twin(meshes, camera, width, height):
             weights = [
                 ((u[j] - x) * (v[k] - y) - (u[k] - x) * (v[j] - y)) / area
                 for j, k in ((1, 2), (2, 0), (0, 1))
-                for x, y in [(columns * PARTS, rows * PARTS)]
+                for x, y in [(columns * SUBPIXELS, rows * SUBPIXELS)]
             ]
             inside = np.min(weights, axis=0) >= 0
             inverse = np.tensordot(1 / corners[:, 2], np.array(weights), 1)
@@ -59,7 +59,7 @@ def twin(meshes, camera, width, height):
 
 def compare(meshes, camera=CAMERA, width=WIDTH, height=HEIGHT):
     image = render_meshes(meshes, camera, width, height)
-    depth, labels = twin(meshes, camera, width, height)
+    depth, labels = naive_render(meshes, camera, width, height)
     assert image.depth.dtype == np.float32
     assert image.labels.dtype == np.int32
     # Two surfaces in one place, to the last bit, may swap.
@@ -80,7 +80,7 @@ def soup(random, count, spread):
 @pytest.mark.parametrize('spread', [0.003, 0.05, 0.6])
 def test_random_triangles_are_drawn_as_the_equation_says(spread):
     random = np.random.default_rng(int(spread * 1000))
-    meshes = [Mesh(*soup(random, 150, spread), body) for body in (1, 2, 7)]
+    meshes = [RenderMesh(*soup(random, 150, spread), body) for body in (1, 2, 7)]
     image = compare(meshes)
     assert (image.labels != NO_BODY).any()
 
@@ -100,17 +100,19 @@ def test_degenerate_triangles_draw_nothing_and_harm_nothing():
         dtype=float,
     )  # fmt: skip
     triangles = np.arange(len(corners)).reshape(-1, 3).astype(np.uint16)
-    image = render_meshes([Mesh(corners, triangles, 1)], CAMERA, WIDTH, HEIGHT)
+    image = render_meshes([RenderMesh(corners, triangles, 1)], CAMERA, WIDTH, HEIGHT)
     assert not image.depth.any()
     assert (image.labels == NO_BODY).all()
-    empty = render_meshes([Mesh(corners[:0], triangles[:0], 1)], CAMERA, WIDTH, HEIGHT)
+    empty = render_meshes([RenderMesh(corners[:0], triangles[:0], 1)], CAMERA, WIDTH, HEIGHT)
     assert not empty.depth.any()
     assert not render_meshes([], CAMERA, WIDTH, HEIGHT).depth.any()
 
 
 def test_a_triangle_larger_than_the_image_fills_it():
     corners = np.array([[-900.0, -900.0, 3.0], [900.0, -900.0, 3.0], [0.0, 1500.0, 3.0]])
-    image = render_meshes([Mesh(corners, np.array([[0, 1, 2]], np.uint16), 5)], CAMERA, 40, 30)
+    image = render_meshes(
+        [RenderMesh(corners, np.array([[0, 1, 2]], np.uint16), 5)], CAMERA, 40, 30
+    )
     np.testing.assert_array_equal(image.labels, 5)
     np.testing.assert_allclose(image.depth, 3.0, rtol=1e-6)
 
@@ -121,7 +123,7 @@ def test_a_slanted_plane_has_the_depth_of_its_equation():
     vertices = np.stack([x, y, 2.0 + 0.5 * x - 0.3 * y], axis=1)
     vertices[:, 2] += 2
     triangles = np.array([[0, 1, 2], [0, 2, 3]], np.uint16)
-    image = render_meshes([Mesh(vertices, triangles, 1)], CAMERA, WIDTH, HEIGHT)
+    image = render_meshes([RenderMesh(vertices, triangles, 1)], CAMERA, WIDTH, HEIGHT)
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
     ray_x, ray_y = (columns - CAMERA.cx) / CAMERA.fx, (rows - CAMERA.cy) / CAMERA.fy
     expected = 4 / (1 - 0.5 * ray_x + 0.3 * ray_y)
@@ -141,7 +143,7 @@ def test_neighbours_leave_no_gap():
     first = (np.arange(count - 1)[:, None] * count + np.arange(count - 1)).ravel()
     quads = np.stack([first, first + 1, first + count + 1, first + count], axis=1)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.uint16)
-    image = render_meshes([Mesh(vertices, triangles, 1)], CAMERA, WIDTH, HEIGHT)
+    image = render_meshes([RenderMesh(vertices, triangles, 1)], CAMERA, WIDTH, HEIGHT)
     drawn = image.labels == 1
     rows, columns = np.nonzero(drawn)
     assert drawn[rows.min() + 2 : rows.max() - 1, columns.min() + 5 : columns.max() - 4].all()
@@ -149,33 +151,33 @@ def test_neighbours_leave_no_gap():
 
 def test_the_order_of_bodies_does_not_matter():
     random = np.random.default_rng(9)
-    meshes = [Mesh(*soup(random, 60, 0.3), body) for body in (3, 4, 5)]
+    meshes = [RenderMesh(*soup(random, 60, 0.3), body) for body in (3, 4, 5)]
     one, other = (render_meshes(m, CAMERA, WIDTH, HEIGHT) for m in (meshes, meshes[::-1]))
     np.testing.assert_array_equal(one.depth, other.depth)
     np.testing.assert_array_equal(one.labels, other.labels)
 
 
-def before_camera(body, figure, yaw, place):
+def before_camera(body, body_shape, yaw, position):
     """A person who stands before the camera as at rest."""
     cosine, sine = np.cos(yaw), np.sin(yaw)
-    turn = np.array([[cosine, 0, sine], [0, -1, 0], [sine, 0, -cosine]])
-    rest = shape_body(body, figure)
-    return pose_body(body, rest, local_rotations(body, {'root': turn}), np.asarray(place))
+    rotation = np.array([[cosine, 0, sine], [0, -1, 0], [sine, 0, -cosine]])
+    rest = shape_body(body, body_shape)
+    return pose_body(body, rest, named_rotations(body, {'root': rotation}), np.asarray(position))
 
 
 def test_a_person_is_drawn_as_the_equation_says(body):
     camera = Intrinsics(40.0, 40.0, 23.5, 31.5)
-    posed = before_camera(body, Figure(30, 0.5), 0.4, [0, 0, 1.6])
+    posed = before_camera(body, BodyShape(30, 0.5), 0.4, [0, 0, 1.6])
     some = body.triangles[::5]
-    compare([Mesh(posed.vertices, some, 1)], camera, 48, 64)
+    compare([RenderMesh(posed.vertices, some, 1)], camera, 48, 64)
 
 
 def test_people_hide_one_another_and_joints_lie_behind_the_skin_on_the_mask(body):
     camera = Intrinsics(285.0, 285.0, 159.5, 119.5)
     places = [(-0.9, 0.1, 3.2), (0.4, 0.0, 2.6), (0.7, 0.0, 3.6)]
-    figures = [Figure(6, 0.3), Figure(30, 1.0), Figure(60, 0.0)]
+    figures = [BodyShape(6, 0.3), BodyShape(30, 1.0), BodyShape(60, 0.0)]
     people = [before_camera(body, f, 0.0, p) for f, p in zip(figures, places, strict=True)]
-    meshes = [Mesh(person.vertices, body.triangles, n) for n, person in enumerate(people, 1)]
+    meshes = [RenderMesh(person.vertices, body.triangles, n) for n, person in enumerate(people, 1)]
     image = render_meshes(meshes, camera, 320, 240)
     np.testing.assert_array_equal((image.depth > 0), image.labels != NO_BODY)
     for number, person in enumerate(people, 1):
@@ -198,11 +200,11 @@ def test_people_hide_one_another_and_joints_lie_behind_the_skin_on_the_mask(body
 
 def test_the_last_bits_of_the_vertices_decide_nothing(body):
     camera = Intrinsics(285.0, 285.0, 159.5, 119.5)
-    posed = before_camera(body, Figure(30, 1.0), 0.7, [0, 0, 2.5])
+    posed = before_camera(body, BodyShape(30, 1.0), 0.7, [0, 0, 2.5])
     random = np.random.default_rng(4)
     shaken = posed.vertices + 1e-15 * random.normal(size=posed.vertices.shape)
     one, other = (
-        render_meshes([Mesh(v, body.triangles, 1)], camera, 320, 240)
+        render_meshes([RenderMesh(v, body.triangles, 1)], camera, 320, 240)
         for v in (posed.vertices, shaken)
     )
     np.testing.assert_array_equal(one.labels, other.labels)

@@ -7,39 +7,43 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.synthetic.scene.image import Image
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
 from lsc_pose_ros.synthetic.scene.placement import (
-    GAP,
-    MARGIN,
-    Actor,
-    Stage,
-    View,
-    set_stage,
-    tilt_matrix,
+    IMAGE_MARGIN,
+    PEOPLE_GAP,
+    CameraConstraints,
+    PersonExtent,
+    ScenePlacement,
+    sample_placement,
+    tilt_rotation,
 )
-from lsc_pose_ros.synthetic.scene.room import Scene, add_scene, draw_scene
+from lsc_pose_ros.synthetic.scene.room import Room, render_room, sample_room
 
 CAMERA = Intrinsics(286.0, 286.0, 159.5, 119.5)
-VIEW = View(CAMERA, 320, 240, (1.5, 4.0), above=(0.5, 2.2), tilt=(-0.2, 0.5), cropped=False)
+VIEW = CameraConstraints(
+    CAMERA, 320, 240, (1.5, 4.0), camera_height=(0.5, 2.2), tilt=(-0.2, 0.5), cropped=False
+)
 
 
 def source(seed: int) -> np.random.Generator:
     return np.random.Generator(np.random.PCG64(seed))
 
 
-def column(height: float, radius: float = 0.3) -> Actor:
+def column(height: float, radius: float = 0.3) -> PersonExtent:
     """A person like a pillar that sways for three frames, y down, on the floor."""
     angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     ring = radius * np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
     points = np.concatenate([ring, ring - np.array([0, height, 0])])
     sways = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0, -0.1]])
-    return Actor(points + sways[:, None], np.tile([0.0, -0.6 * height, 0.0], (3, 1)))
+    return PersonExtent(points + sways[:, None], np.tile([0.0, -0.6 * height, 0.0], (3, 1)))
 
 
-def pixels(points: NDArray[np.float64], stage: Stage, number: int) -> NDArray[np.float64]:
-    seen = (points + stage.offsets[number]) @ stage.tilt.T
-    assert (seen[..., 2] > 0).all()
-    return seen[..., :2] / seen[..., 2:] * CAMERA[:2] + CAMERA[2:]
+def pixels(
+    points: NDArray[np.float64], placement: ScenePlacement, number: int
+) -> NDArray[np.float64]:
+    camera_points = (points + placement.positions[number]) @ placement.tilt.T
+    assert (camera_points[..., 2] > 0).all()
+    return camera_points[..., :2] / camera_points[..., 2:] * CAMERA[:2] + CAMERA[2:]
 
 
 def assert_inside(places: NDArray[np.float64], margin: float) -> None:
@@ -47,73 +51,77 @@ def assert_inside(places: NDArray[np.float64], margin: float) -> None:
     assert (places < np.array([319, 239]) - margin + 1e-6).all()
 
 
-def angle_of(stage: Stage) -> float:
-    return float(np.arctan2(stage.tilt[2, 1], stage.tilt[1, 1]))
+def angle_of(placement: ScenePlacement) -> float:
+    return float(np.arctan2(placement.tilt[2, 1], placement.tilt[1, 1]))
 
 
 @pytest.mark.parametrize('height', [1.1, 1.7, 2.2])
 def test_one_person_stands_in_full_view_and_not_always_in_the_same_place(height: float) -> None:
     person = column(height)
-    stages = [set_stage([person], VIEW, source(seed)) for seed in range(60)]
-    for stage in stages:
-        assert_inside(pixels(person.points, stage, 0), MARGIN)
-        assert 1.5 <= stage.offsets[0, 2] <= 4.0
-        assert 0.5 <= stage.offsets[0, 1] <= 2.2
-        assert -0.2 <= angle_of(stage) <= 0.5
-    offsets = np.array([stage.offsets[0] for stage in stages])
-    assert (offsets.std(axis=0) > [0.15, 0.2, 0.2]).all()
-    assert np.std([angle_of(stage) for stage in stages]) > 0.05
+    stages = [sample_placement([person], VIEW, source(seed)) for seed in range(60)]
+    for placement in stages:
+        assert_inside(pixels(person.points, placement, 0), IMAGE_MARGIN)
+        assert 1.5 <= placement.positions[0, 2] <= 4.0
+        assert 0.5 <= placement.positions[0, 1] <= 2.2
+        assert -0.2 <= angle_of(placement) <= 0.5
+    positions = np.array([placement.positions[0] for placement in stages])
+    assert (positions.std(axis=0) > [0.15, 0.2, 0.2]).all()
+    assert np.std([angle_of(placement) for placement in stages]) > 0.05
 
 
 def test_person_may_come_as_near_as_the_image_allows() -> None:
     person = column(1.7)
-    distances = [set_stage([person], VIEW, source(seed)).offsets[0, 2] for seed in range(200)]
+    distances = [
+        sample_placement([person], VIEW, source(seed)).positions[0, 2] for seed in range(200)
+    ]
     assert min(distances) < 2.6
 
 
 def test_a_camera_that_looks_down_sees_the_floor_nearer_than_one_that_looks_ahead() -> None:
     ahead = np.array([0.0, 0.0, 3.0])
-    assert (tilt_matrix(0.3) @ ahead)[1] < 0  # what is level with the camera is high in the image
+    assert (tilt_rotation(0.3) @ ahead)[
+        1
+    ] < 0  # what is level with the camera is high in the image
 
 
 def test_several_people_share_a_floor_and_never_touch() -> None:
     people = [column(1.2), column(1.7), column(1.8)]
     for seed in range(20):
-        stage = set_stage(people, VIEW._replace(distance=(1.5, 5.0)), source(seed))
-        assert np.ptp(stage.offsets[:, 1]) == 0
+        placement = sample_placement(people, VIEW._replace(distance=(1.5, 5.0)), source(seed))
+        assert np.ptp(placement.positions[:, 1]) == 0
         for number, person in enumerate(people):
-            assert_inside(pixels(person.points, stage, number), MARGIN)
+            assert_inside(pixels(person.points, placement, number), IMAGE_MARGIN)
         for one in range(3):
             for other in range(one):
-                first = people[one].points + stage.offsets[one]
-                second = people[other].points + stage.offsets[other]
+                first = people[one].points + placement.positions[one]
+                second = people[other].points + placement.positions[other]
                 for frame in range(3):
                     away = first[frame][:, None, [0, 2]] - second[frame][None, :, [0, 2]]
-                    assert np.sqrt((away**2).sum(axis=-1)).min() > GAP
+                    assert np.sqrt((away**2).sum(axis=-1)).min() > PEOPLE_GAP
 
 
 def test_cropped_people_keep_their_trunk_in_view() -> None:
     person = column(1.9)
-    view = VIEW._replace(distance=(0.8, 1.0), cropped=True)
+    constraints = VIEW._replace(distance=(0.8, 1.0), cropped=True)
     cut = 0
     for seed in range(20):
-        stage = set_stage([person], view, source(seed))
-        assert_inside(pixels(person.trunk, stage, 0), 0)
-        places = pixels(person.points, stage, 0)
+        placement = sample_placement([person], constraints, source(seed))
+        assert_inside(pixels(person.trunk, placement, 0), 0)
+        places = pixels(person.points, placement, 0)
         cut += bool(places.min() < 0 or places[..., 1].max() > 239)
     assert cut == 20
 
 
 def test_a_place_that_is_too_small_is_refused() -> None:
     with pytest.raises(InputError, match=r'no place found for a person .* 1 and 1\.5 m'):
-        set_stage([column(1.8)], VIEW._replace(distance=(1.0, 1.5)), source(0))
+        sample_placement([column(1.8)], VIEW._replace(distance=(1.0, 1.5)), source(0))
     with pytest.raises(InputError, match='no place found for 8 people'):
-        set_stage([column(1.8)] * 8, VIEW._replace(distance=(2.0, 3.0)), source(0))
+        sample_placement([column(1.8)] * 8, VIEW._replace(distance=(2.0, 3.0)), source(0))
     with pytest.raises(InputError, match="more of the camera's heights and tilts"):
-        set_stage([column(1.8)], VIEW._replace(above=(9.0, 9.1)), source(0))
+        sample_placement([column(1.8)], VIEW._replace(camera_height=(9.0, 9.1)), source(0))
 
 
-def naive_scene(scene: Scene, tilt: NDArray[np.float64], width: int, height: int) -> np.ndarray:
+def naive_scene(room: Room, tilt: NDArray[np.float64], width: int, height: int) -> np.ndarray:
     """Every ray against every side of every box."""
     depth = np.full((height, width), np.inf)
     for row in range(height):
@@ -121,9 +129,9 @@ def naive_scene(scene: Scene, tilt: NDArray[np.float64], width: int, height: int
             x = (col - CAMERA.cx) / CAMERA.fx
             y = (row - CAMERA.cy) / CAMERA.fy
             ray = tilt.T @ [x, y, 1.0]
-            for centre, half, (cosine, sine) in zip(*scene, strict=True):
-                turn = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
-                start, way = turn @ -centre, turn @ ray
+            for centre, half, (cosine, sine) in zip(*room, strict=True):
+                rotation = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
+                start, way = rotation @ -centre, rotation @ ray
                 for axis in range(3):
                     for side in (-1, 1):
                         t = (side * half[axis] - start[axis]) / way[axis]
@@ -134,30 +142,30 @@ def naive_scene(scene: Scene, tilt: NDArray[np.float64], width: int, height: int
     return depth
 
 
-def people_on_stage(seed: int) -> tuple[list[Actor], Stage]:
+def people_on_stage(seed: int) -> tuple[list[PersonExtent], ScenePlacement]:
     people = [column(1.7), column(1.4)]
-    return people, set_stage(people, VIEW._replace(distance=(2.0, 5.0)), source(seed))
+    return people, sample_placement(people, VIEW._replace(distance=(2.0, 5.0)), source(seed))
 
 
 @pytest.mark.parametrize('seed', range(3))
 def test_a_room_is_drawn_as_the_equation_says(seed: int) -> None:
-    people, stage = people_on_stage(seed)
-    scene = draw_scene(people, stage, source(seed))
-    image = Image(np.zeros((48, 64), np.float32), np.full((48, 64), NO_BODY, np.int32))
-    add_scene(image, scene, stage.tilt, CAMERA)
-    np.testing.assert_allclose(image.depth, naive_scene(scene, stage.tilt, 64, 48), rtol=1e-5)
+    people, placement = people_on_stage(seed)
+    room = sample_room(people, placement, source(seed))
+    image = DepthImage(np.zeros((48, 64), np.float32), np.full((48, 64), NO_BODY, np.int32))
+    render_room(image, room, placement.tilt, CAMERA)
+    np.testing.assert_allclose(image.depth, naive_scene(room, placement.tilt, 64, 48), rtol=1e-5)
     assert (image.labels == NO_BODY).all()
 
 
 def test_a_room_hides_what_is_behind_it_and_nothing_else() -> None:
-    scene = Scene(
+    room = Room(
         np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 3.0]]),
         np.array([[5.0, 2.0, 5.0], [0.2, 3.0, 0.5]]),
         np.array([[1.0, 0.0], [1.0, 0.0]]),
     )
-    image = Image(np.zeros((240, 320), np.float32), np.full((240, 320), NO_BODY, np.int32))
+    image = DepthImage(np.zeros((240, 320), np.float32), np.full((240, 320), NO_BODY, np.int32))
     image.depth[60:180, 100:220], image.labels[60:180, 100:220] = 2.8, 3
-    add_scene(image, scene, np.eye(3), CAMERA)
+    render_room(image, room, np.eye(3), CAMERA)
     assert image.depth[120, 160] == pytest.approx(2.5)
     assert image.labels[120, 160] == NO_BODY
     assert (image.labels[60:180, 100:130] == 3).all()
@@ -169,22 +177,22 @@ def test_a_room_hides_what_is_behind_it_and_nothing_else() -> None:
 def test_rooms_hold_people_and_furniture_is_aside_of_them() -> None:
     counts = []
     for seed in range(40):
-        people, stage = people_on_stage(seed)
-        scene = draw_scene(people, stage, source(seed))
-        counts.append(len(scene.centres) - 1)
+        people, placement = people_on_stage(seed)
+        room = sample_room(people, placement, source(seed))
+        counts.append(len(room.centres) - 1)
         points = np.concatenate(
             [
-                (person.points + offset).reshape(-1, 3)
-                for person, offset in zip(people, stage.offsets, strict=True)
+                (person.points + position).reshape(-1, 3)
+                for person, position in zip(people, placement.positions, strict=True)
             ]
         )
-        for number, (centre, half, (cosine, sine)) in enumerate(zip(*scene, strict=True)):
-            turn = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
-            assert centre[1] + half[1] == pytest.approx(stage.offsets[0, 1])  # on the floor
+        for number, (centre, half, (cosine, sine)) in enumerate(zip(*room, strict=True)):
+            rotation = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
+            assert centre[1] + half[1] == pytest.approx(placement.positions[0, 1])  # on the floor
             # From the camera to each point of the people: is the box in the way?
             shares = np.linspace(0, 1, 60)[:, None, None]
             way = shares * points - centre
-            inside = (np.abs(way @ turn.T) < half + 1e-9).all(axis=-1)
+            inside = (np.abs(way @ rotation.T) < half + 1e-9).all(axis=-1)
             assert inside.all() if number == 0 else not inside.any()
     assert min(counts) == 0
     assert max(counts) > 3

@@ -8,41 +8,47 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.synthetic.scene.image import Image
-from lsc_pose_ros.synthetic.sensors.correlated_noise import grain, interpolate, place_nodes
-from lsc_pose_ros.synthetic.sensors.optics import Range, focal_length, nearest_pixel, slope
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.sensors.correlated_noise import (
+    correlated_field,
+    grid_interpolation,
+    interpolate_grid,
+)
+from lsc_pose_ros.synthetic.sensors.optics import DepthRange, focal_length, nearest_pixel, slope
 from lsc_pose_ros.synthetic.sensors.time_of_flight import (
-    EDGE,
     KINECT_V2,
-    STEEPEST,
+    MAX_ANGLE,
+    MIXED_PIXEL_DEPTH,
     TOF,
-    Chances,
+    RandomFields,
     TimeOfFlight,
-    deviation,
     expose,
+    noise_deviation,
 )
 from lsc_pose_ros.synthetic.sensors.triangulation import (
-    FADING,
-    HALF,
+    HALF_PIXEL,
+    LOGISTIC_SCALE,
+    RANGE_FADING,
+    InverseDepth,
+    average_window,
+    match_windows,
+    normal_quantile,
+    quantise,
+    see_surfaces,
+)
+from lsc_pose_ros.synthetic.sensors.triangulation_sensors import (
     KINECT_V1,
-    LOGISTIC,
     REALSENSE,
     ZED,
-    Disparities,
     Triangulation,
-    average,
-    look,
-    match,
-    measure,
-    quantile,
 )
 
 WIDTH, HEIGHT = 40, 30
 CAMERA = Intrinsics(36.0, 34.0, 19.0, 15.5)
-REACH = Range(1.2, 3.0)
+DEPTH_RANGE = DepthRange(1.2, 3.0)
 
 
-def random_image(seed: int) -> Image:
+def random_image(seed: int) -> DepthImage:
     """A wavy slope with holes, a box before it, and a margin without anything."""
     random = np.random.default_rng(seed)
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
@@ -54,7 +60,7 @@ def random_image(seed: int) -> Image:
     depth[:, :8] = 0.0
     labels = np.where(depth > 0, 1 + (columns > 20), NO_BODY)
     labels[depth > 2.5] = NO_BODY
-    return Image(depth.astype(np.float32), labels.astype(np.int32))
+    return DepthImage(depth.astype(np.float32), labels.astype(np.int32))
 
 
 def normal(seed: int, *shape: int) -> NDArray[np.float32]:
@@ -91,10 +97,10 @@ def test_slope_of_a_turned_wall_is_the_tangent_of_its_angle(angle: float) -> Non
 
 
 @pytest.mark.parametrize(
-    ('place', 'pixel'), [(-7.0, 0), (-0.5, 0), (0.49, 0), (0.5, 1), (3.2, 3), (9.0, 4)]
+    ('position', 'pixel'), [(-7.0, 0), (-0.5, 0), (0.49, 0), (0.5, 1), (3.2, 3), (9.0, 4)]
 )
-def test_the_nearest_pixel_is_within_the_image(place: float, pixel: int) -> None:
-    assert nearest_pixel(place, 5) == pixel
+def test_the_nearest_pixel_is_within_the_image(position: float, pixel: int) -> None:
+    assert nearest_pixel(position, 5) == pixel
 
 
 def test_focal_length_holds_the_field_of_view() -> None:
@@ -104,10 +110,13 @@ def test_focal_length_holds_the_field_of_view() -> None:
 
 @pytest.mark.parametrize('spacing', [1.3, 3.0, 7.7, 100.0])
 def test_interpolation_agrees_with_its_plain_twin(spacing: float) -> None:
-    rows, columns = place_nodes(HEIGHT, spacing, 0.3), place_nodes(WIDTH, spacing, 0.9)
+    rows, columns = (
+        grid_interpolation(HEIGHT, spacing, 0.3),
+        grid_interpolation(WIDTH, spacing, 0.9),
+    )
     values = normal(1, int(rows.first[-1]) + 2, int(columns.first[-1]) + 2)
     found = np.empty((HEIGHT, WIDTH), np.float32)
-    interpolate(values, rows, columns, found)
+    interpolate_grid(values, rows, columns, found)
 
     expected = np.empty((HEIGHT, WIDTH))
     for row in range(HEIGHT):
@@ -122,9 +131,9 @@ def test_interpolation_agrees_with_its_plain_twin(spacing: float) -> None:
 
 def likeness(gap: float) -> float:
     """The mean correlation of two places that lie a share of the grid's spacing apart."""
-    place = np.linspace(0, 1, 2001)[:, None] + np.array([0, gap])
+    position = np.linspace(0, 1, 2001)[:, None] + np.array([0, gap])
     # Each node's weight falls linearly to nothing at its neighbours.
-    weights = np.maximum(1 - np.abs(place[..., None] - np.arange(-1, 5)), 0)
+    weights = np.maximum(1 - np.abs(position[..., None] - np.arange(-1, 5)), 0)
     weights /= np.linalg.norm(weights, axis=-1, keepdims=True)
     return float((weights[:, 0] * weights[:, 1]).sum(axis=-1).mean()) if gap < 1 else 0.0
 
@@ -132,55 +141,57 @@ def likeness(gap: float) -> float:
 @pytest.mark.parametrize('spacing', [0.4, 2.5, 6.0])
 def test_grain_has_deviation_one_everywhere_and_the_length_that_was_asked(spacing: float) -> None:
     random = np.random.default_rng(0)
-    fields = np.stack([grain((24, 26), spacing, random) for _ in range(1500)])
+    fields = np.stack([correlated_field((24, 26), spacing, random) for _ in range(1500)])
     assert fields.dtype == np.float32
     np.testing.assert_allclose(fields.std(axis=0), 1.0, atol=0.1)
-    near = (fields[:, :, 1:] * fields[:, :, :-1]).mean()
+    inverse_depth = (fields[:, :, 1:] * fields[:, :, :-1]).mean()
     gap = math.ceil(2 * spacing)
     far = (fields[:, :, gap:] * fields[:, :, :-gap]).mean()
     assert abs(far) < 0.02
-    assert near == pytest.approx(likeness(1 / spacing), abs=0.02)
+    assert inverse_depth == pytest.approx(likeness(1 / spacing), abs=0.02)
 
 
 def naive_look(
-    image: Image, sensor: Triangulation, lost: NDArray[np.float32]
+    image: DepthImage, sensor: Triangulation, lost_noise: NDArray[np.float32]
 ) -> NDArray[np.float64]:
-    near = np.zeros((HEIGHT, WIDTH))
+    inverse_depth = np.zeros((HEIGHT, WIDTH))
     gone = np.zeros((HEIGHT, WIDTH), bool)
     move, focal = CAMERA.fx * sensor.baseline, (CAMERA.fx + CAMERA.fy) / 2
-    steep = math.tan(math.radians(sensor.grazing))
-    chance = 1 / (1 + np.exp(-LOGISTIC * lost.astype(float)))
+    steep = math.tan(math.radians(sensor.grazing_angle))
+    chance = 1 / (1 + np.exp(-LOGISTIC_SCALE * lost_noise.astype(float)))
     for row, column in np.argwhere(image.depth > 0):
         z = float(image.depth[row, column])
-        place = column - move / z
+        position = column - move / z
         farther_right = range(column + 1, WIDTH)
         hidden = any(
             image.depth[row, other] > 0
-            and other - move / float(image.depth[row, other]) - HALF < place
+            and other - move / float(image.depth[row, other]) - HALF_PIXEL < position
             for other in farther_right
         )
-        outside = sensor.cameras == 2 and place < -HALF
+        outside = sensor.cameras == 2 and position < -HALF_PIXEL
         tilt = naive_slope(image.depth, row, column, focal)
-        loss = sensor.patches + max(0, 1 - steep / tilt if tilt > 0 else 0)
-        loss += max(0, (z / REACH.farthest - 1) / FADING)
-        near[row, column] = 1 / z
-        gone[row, column] = hidden or outside or z < REACH.nearest or chance[row, column] < loss
-    return np.where(gone, -near, near)
+        loss = sensor.dropout + max(0, 1 - steep / tilt if tilt > 0 else 0)
+        loss += max(0, (z / DEPTH_RANGE.farthest - 1) / RANGE_FADING)
+        inverse_depth[row, column] = 1 / z
+        gone[row, column] = (
+            hidden or outside or z < DEPTH_RANGE.nearest or chance[row, column] < loss
+        )
+    return np.where(gone, -inverse_depth, inverse_depth)
 
 
 @pytest.mark.parametrize(
     'sensor',
     [
-        KINECT_V1._replace(baseline=0.4, grazing=40.0),
-        REALSENSE._replace(baseline=0.2, grazing=30.0, patches=0.1),
+        KINECT_V1._replace(baseline=0.4, grazing_angle=40.0),
+        REALSENSE._replace(baseline=0.2, grazing_angle=30.0, dropout=0.1),
         ZED._replace(baseline=0.3),
     ],
 )
 def test_what_is_seen_agrees_with_its_plain_twin(sensor: Triangulation) -> None:
-    image, lost = random_image(1), normal(2, HEIGHT, WIDTH)
+    image, lost_noise = random_image(1), normal(2, HEIGHT, WIDTH)
     found = np.empty((HEIGHT, WIDTH), np.float32)
-    look(image.depth, sensor, REACH, CAMERA, lost, found)
-    expected = naive_look(image, sensor, lost)
+    see_surfaces(image.depth, sensor, DEPTH_RANGE, CAMERA, lost_noise, found)
+    expected = naive_look(image, sensor, lost_noise)
     np.testing.assert_allclose(found, expected, rtol=1e-6)
     missing = found < 0
     assert 20 < missing.sum() < 0.7 * (image.depth > 0).sum()
@@ -188,10 +199,12 @@ def test_what_is_seen_agrees_with_its_plain_twin(sensor: Triangulation) -> None:
 
 def test_quantile_is_that_of_the_normal_distribution() -> None:
     values = np.random.default_rng(0).standard_normal(100_000)
-    for share in (0.02, 0.2, 0.5, 0.9):
-        assert (values < quantile(share)).mean() == pytest.approx(share, abs=0.012)
-    assert quantile(0.0) == -math.inf
-    assert quantile(1.0) == quantile(7.0) == math.inf
+    for probability in (0.02, 0.2, 0.5, 0.9):
+        assert (values < normal_quantile(probability)).mean() == pytest.approx(
+            probability, abs=0.012
+        )
+    assert normal_quantile(0.0) == -math.inf
+    assert normal_quantile(1.0) == normal_quantile(7.0) == math.inf
 
 
 @pytest.mark.parametrize('scale', [0.0, 0.7, 3.0, 500.0])
@@ -199,42 +212,42 @@ def test_quantile_is_that_of_the_normal_distribution() -> None:
 def test_matching_agrees_with_its_plain_twin(scale: float, growth: float) -> None:
     image = random_image(4)
     with np.errstate(divide='ignore'):
-        near = np.where(image.depth > 0, 1 / image.depth, 0).astype(np.float32)
-    near[normal(15, HEIGHT, WIDTH) < -1] *= -1  # lost
-    shifts, fringe = np.float32(scale) * normal(5, 2, HEIGHT, WIDTH), normal(6, HEIGHT, WIDTH)
-    fringe = np.float32(growth) * (1 + fringe)
-    found = Disparities(np.empty_like(near), np.empty_like(image.labels))
-    match(Disparities(near, image.labels), shifts, fringe, 0.1, found)
+        inverse_depth = np.where(image.depth > 0, 1 / image.depth, 0).astype(np.float32)
+    inverse_depth[normal(15, HEIGHT, WIDTH) < -1] *= -1  # lost
+    shifts, fattening = np.float32(scale) * normal(5, 2, HEIGHT, WIDTH), normal(6, HEIGHT, WIDTH)
+    fattening = np.float32(growth) * (1 + fattening)
+    found = InverseDepth(np.empty_like(inverse_depth), np.empty_like(image.labels))
+    match_windows(InverseDepth(inverse_depth, image.labels), shifts, fattening, 0.1, found)
 
     for row in range(HEIGHT):
         for column in range(WIDTH):
             middle = np.array([row, column]) + np.floor(shifts[:, row, column].astype(float) + 0.5)
             middle = np.clip(middle, 0, [HEIGHT - 1, WIDTH - 1]).astype(int)
-            radius = max(0, math.floor(float(fringe[row, column]) + 0.5))
-            reach = radius * np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])
-            places = np.clip(middle + reach, 0, [HEIGHT - 1, WIDTH - 1])
-            values = near[places[:, 0], places[:, 1]]
+            radius = max(0, math.floor(float(fattening[row, column]) + 0.5))
+            depth_range = radius * np.array([[-1, 0], [1, 0], [0, -1], [0, 1]])
+            places = np.clip(middle + depth_range, 0, [HEIGHT - 1, WIDTH - 1])
+            values = inverse_depth[places[:, 0], places[:, 1]]
             own = tuple(middle)
-            grows = values.max() > abs(float(near[own])) + 0.1
+            grows = values.max() > abs(float(inverse_depth[own])) + 0.1
             best = tuple(places[np.argmax(values)]) if grows else own
-            assert found.near[row, column] == max(near[best], 0)
+            assert found.inverse_depth[row, column] == max(inverse_depth[best], 0)
             assert found.labels[row, column] == image.labels[best]
 
 
 @pytest.mark.parametrize('radius', [0, 1, 4, 100])
 def test_averaging_agrees_with_its_plain_twin(radius: int) -> None:
-    near = random_image(7).depth.copy()
-    found = average(near, radius, 0.2)
-    expected = near.astype(float)
+    inverse_depth = random_image(7).depth.copy()
+    found = average_window(inverse_depth, radius, 0.2)
+    expected = inverse_depth.astype(float)
     for axis in (1, 0):
         before = expected.astype(np.float32).astype(float)
         lines = before if axis == 1 else before.T
         averaged = np.zeros_like(lines)
         for line, values in enumerate(lines):
-            for place, middle in enumerate(values):
-                window = values[max(place - radius, 0) : place + radius + 1]
+            for position, middle in enumerate(values):
+                window = values[max(position - radius, 0) : position + radius + 1]
                 window = window[(window > 0) & (abs(window - middle) <= 0.2)]
-                averaged[line, place] = window.mean() if middle > 0 else 0
+                averaged[line, position] = window.mean() if middle > 0 else 0
         expected = averaged if axis == 1 else averaged.T
     np.testing.assert_allclose(found, expected, rtol=1e-5)
 
@@ -243,11 +256,11 @@ def test_averaging_agrees_with_its_plain_twin(radius: int) -> None:
 @pytest.mark.parametrize('scale', [0.0, 1.0, 300.0])
 def test_measuring_agrees_with_its_plain_twin(sensor: Triangulation, scale: float) -> None:
     image, noise = random_image(8), np.float32(scale) * normal(9, HEIGHT, WIDTH)
-    found = Image(np.empty_like(image.depth), image.labels.copy())
-    measure(image.depth, noise, sensor, found)
-    near = image.depth.astype(float)
-    whole = np.floor((near + sensor.deviation * noise) / sensor.step + 0.5)
-    measured = (near > 0) & (whole >= 1)
+    found = DepthImage(np.empty_like(image.depth), image.labels.copy())
+    quantise(image.depth, noise, sensor, found)
+    inverse_depth = image.depth.astype(float)
+    whole = np.floor((inverse_depth + sensor.deviation * noise) / sensor.step + 0.5)
+    measured = (inverse_depth > 0) & (whole >= 1)
     expected = np.where(measured, 1 / (np.where(measured, whole, 1) * sensor.step), 0)
     np.testing.assert_allclose(found.depth, expected, rtol=1e-6)
     np.testing.assert_array_equal(found.labels, np.where(measured, image.labels, NO_BODY))
@@ -260,9 +273,9 @@ def naive_mix(
     margin = 3 + math.ceil(half)
     wide = np.pad(depth.astype(float), margin, mode='edge')
     cells = []
-    for count, place in zip(wide.shape, middle + margin, strict=True):
-        low = np.maximum(np.arange(count) - 0.5, place - half)
-        cells.append(np.maximum(np.minimum(np.arange(count) + 0.5, place + half) - low, 0))
+    for count, position in zip(wide.shape, middle + margin, strict=True):
+        low = np.maximum(np.arange(count) - 0.5, position - half)
+        cells.append(np.maximum(np.minimum(np.arange(count) + 0.5, position + half) - low, 0))
     filled = np.outer(*cells)
     solid = wide > 0
     light = np.where(solid, filled, 0) / np.where(solid, wide, 1) ** 2
@@ -283,37 +296,37 @@ def test_exposure_agrees_with_its_plain_twin(sensor: TimeOfFlight) -> None:
     sensor = sensor._replace(focal=60.0)
     clean = random_image(10)
     random = np.random.default_rng(11)
-    chances = Chances(
+    fields = RandomFields(
         np.float32(0.6) * normal(12, 2, HEIGHT, WIDTH),
         normal(13, HEIGHT, WIDTH),
         random.random((HEIGHT, WIDTH)).astype(np.float32),
         1.7,
     )
-    found = Image(np.zeros_like(clean.depth), np.full_like(clean.labels, NO_BODY))
-    expose(clean, sensor, REACH, CAMERA, chances, found)
+    found = DepthImage(np.zeros_like(clean.depth), np.full_like(clean.labels, NO_BODY))
+    expose(clean, sensor, DEPTH_RANGE, CAMERA, fields, found)
 
     half = sensor.area * CAMERA.fx / sensor.focal / 2
     last = np.array([HEIGHT - 1, WIDTH - 1])
     flying = 0
     for row in range(HEIGHT):
         for column in range(WIDTH):
-            middle = np.array([row, column]) + chances.shifts[:, row, column].astype(float)
+            middle = np.array([row, column]) + fields.shifts[:, row, column].astype(float)
             sides = [np.clip(np.floor(middle + s + 0.5), 0, last) for s in (-half, half)]
             (above, left), (below, right) = np.array(sides).astype(int)
             corners = clean.depth[[above, above, below, below], [left, right, left, right]]
-            drop = float(chances.drop[row, column])
+            drop = float(fields.drop[row, column])
             at = tuple(np.clip(np.floor(middle + 0.5), 0, last).astype(int))
             z = float(clean.depth[at])
-            if np.ptp(corners) > EDGE:
+            if np.ptp(corners) > MIXED_PIXEL_DEPTH:
                 flying += 1
-                z, at = naive_mix(clean.depth, middle, half, chances.gap)
-                z = 0.0 if drop < sensor.filtered else z
+                z, at = naive_mix(clean.depth, middle, half, fields.gap)
+                z = 0.0 if drop < sensor.filtered_fraction else z
             expected, label = 0.0, NO_BODY
-            if z >= REACH.nearest:
+            if z >= DEPTH_RANGE.nearest:
                 tilt = naive_slope(clean.depth, *at, (CAMERA.fx + CAMERA.fy) / 2)
-                if drop < (REACH.farthest / z) ** 2 * math.cos(math.atan(tilt)):
-                    spread = deviation(sensor, z, tilt)
-                    expected = max(z + spread * chances.noise[row, column], REACH.nearest)
+                if drop < (DEPTH_RANGE.farthest / z) ** 2 * math.cos(math.atan(tilt)):
+                    spread = noise_deviation(sensor, z, tilt)
+                    expected = max(z + spread * fields.noise[row, column], DEPTH_RANGE.nearest)
                     label = clean.labels[at]
             assert found.depth[row, column] == pytest.approx(expected, rel=1e-5)
             assert found.labels[row, column] == label
@@ -322,9 +335,9 @@ def test_exposure_agrees_with_its_plain_twin(sensor: TimeOfFlight) -> None:
 
 @pytest.mark.parametrize('angle', [0.0, 30.0, 60.0, 79.0, 89.0])
 def test_time_of_flight_deviates_as_its_formula_says(angle: float) -> None:
-    turned = min(math.radians(angle), STEEPEST)
+    turned = min(math.radians(angle), MAX_ANGLE)
     z = 2.3
     expected = 1.5 - 0.5 * z + 0.3 * z**2
     expected += 0.1 * z**1.5 * turned**2 / (math.pi / 2 - turned) ** 2
-    found = 1000 * deviation(KINECT_V2, z, math.tan(math.radians(angle)))
+    found = 1000 * noise_deviation(KINECT_V2, z, math.tan(math.radians(angle)))
     assert found == pytest.approx(expected, rel=1e-6)

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.synthetic.scene.image import Image
-from lsc_pose_ros.synthetic.sensors.sensors import NOISES, SENSORS, sense
-from lsc_pose_ros.synthetic.sensors.time_of_flight import BEHIND
+from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.sensors.sensors import NOISES, SENSORS, apply_sensor
+from lsc_pose_ros.synthetic.sensors.time_of_flight import WALL_DISTANCE
 
 STEREO = ('realsense', 'zed')
 DISPARITY = ('kinect_v1', *STEREO)
@@ -24,31 +24,31 @@ def camera_of(name: str, width: int = WIDTH, height: int = HEIGHT) -> Intrinsics
     return Intrinsics(focal, focal, 0.5 * (width - 1), 0.5 * (height - 1))
 
 
-def wall(distance: float, body: int = 1) -> Image:
+def wall(distance: float, body: int = 1) -> DepthImage:
     shape = HEIGHT, WIDTH
-    return Image(np.full(shape, distance, np.float32), np.full(shape, body, np.int32))
+    return DepthImage(np.full(shape, distance, np.float32), np.full(shape, body, np.int32))
 
 
-def turned_wall(distance: float, angle: float, camera: Intrinsics) -> Image:
+def turned_wall(distance: float, angle: float, camera: Intrinsics) -> DepthImage:
     """A wall before the middle of the image, turned about the vertical."""
     rays = (np.arange(WIDTH) - camera.cx) / camera.fx
     depth = distance / (1 - math.tan(math.radians(angle)) * rays)
     depth = np.where((depth > 0.8 * distance) & (depth < 1.2 * distance), depth, 0)
     depth = np.tile(depth, (HEIGHT, 1)).astype(np.float32)
-    return Image(depth, np.where(depth > 0, 1, NO_BODY).astype(np.int32))
+    return DepthImage(depth, np.where(depth > 0, 1, NO_BODY).astype(np.int32))
 
 
-def box(*, room: bool, near: float = BODY, far: float = WALL) -> Image:
+def box(*, room: bool, near: float = BODY, far: float = WALL) -> DepthImage:
     """A body, 120 by 100 pixels, before a wall or before nothing."""
     depth = np.full((HEIGHT, WIDTH), far if room else 0.0, np.float32)
     labels = np.full((HEIGHT, WIDTH), NO_BODY, np.int32)
     depth[60:180, 110:210] = near
     labels[60:180, 110:210] = 1
-    return Image(depth, labels)
+    return DepthImage(depth, labels)
 
 
-def seen(name: str, image: Image, seed: int = 0) -> Image:
-    return sense(name, image, camera_of(name), np.random.default_rng(seed))
+def seen(name: str, image: DepthImage, seed: int = 0) -> DepthImage:
+    return apply_sensor(name, image, camera_of(name), np.random.default_rng(seed))
 
 
 def deviation(name: str, distance: float) -> float:
@@ -106,10 +106,10 @@ def test_steps_are_those_of_a_real_kinect_v1(shared) -> None:
 def likeness(name: str, gap: int) -> float:
     """How alike the errors of pixels are that lie so far apart, the sensor's own pixels."""
     sensor = SENSORS[name]
-    image = Image(np.full((240, 300), 2.0, np.float32), np.ones((240, 300), np.int32))
+    image = DepthImage(np.full((240, 300), 2.0, np.float32), np.ones((240, 300), np.int32))
     focal = 0.5 * sensor.width / math.tan(math.radians(0.5 * sensor.field_of_view))
     camera = Intrinsics(focal, focal, 149.5, 119.5)
-    errors = sense(name, image, camera, np.random.default_rng(3)).depth[:, 100:] - 2.0
+    errors = apply_sensor(name, image, camera, np.random.default_rng(3)).depth[:, 100:] - 2.0
     errors = np.where(np.abs(errors) < 0.5, errors, 0)
     return float(np.mean(errors[:, gap:] * errors[:, :-gap]) / errors.var())
 
@@ -129,7 +129,7 @@ def lost(name: str, distance: float, angle: float) -> float:
     # Within the wall, away from where it ends.
     columns = np.flatnonzero(image.depth[0] > 0)
     inner = columns[len(columns) // 4 : max(3 * len(columns) // 4, len(columns) // 4 + 1)]
-    images = [sense(name, image, camera, np.random.default_rng(seed)) for seed in range(3)]
+    images = [apply_sensor(name, image, camera, np.random.default_rng(seed)) for seed in range(3)]
     return float(np.mean([found.depth[:, inner] == 0 for found in images]))
 
 
@@ -224,7 +224,7 @@ def test_passive_stereo_blends_what_is_close_together() -> None:
     """An arm before a trunk: a ramp between them in passive stereo, a step in Kinect v1."""
     depth = np.full((HEIGHT, WIDTH), 2.0, np.float32)
     depth[:, 150:170] = 1.85
-    image = Image(depth, np.ones((HEIGHT, WIDTH), np.int32))
+    image = DepthImage(depth, np.ones((HEIGHT, WIDTH), np.int32))
 
     def between(name: str) -> float:
         found = seen(name, image).depth[:, 100:]
@@ -264,7 +264,7 @@ def test_before_nothing_pixels_trail_to_a_wall_and_stay_the_bodys(name: str) -> 
     flying = found.depth > BODY + 0.1
     assert flying.sum() > 5
     assert distance_to_edge()[flying].max() <= 3
-    assert found.depth.max() < BODY + BEHIND[1]
+    assert found.depth.max() < BODY + WALL_DISTANCE[1]
     np.testing.assert_array_equal(found.labels == NO_BODY, found.depth == 0)
     # The body returns more light than the wall, so it shows in more than half of the mixed ones.
     assert abs(area(name)) < 1.0
@@ -284,7 +284,7 @@ def test_sensors_differ_in_how_many_flying_pixels_they_drop() -> None:
 def test_without_noise_an_image_stays_as_it_is() -> None:
     image = box(room=True)
     random = np.random.default_rng(0)
-    assert sense('none', image, camera_of('tof'), random) is image
+    assert apply_sensor('none', image, camera_of('tof'), random) is image
     assert random.random() == np.random.default_rng(0).random()
 
 
@@ -299,7 +299,7 @@ def test_names_of_noises_are_those_of_sensors() -> None:
 @pytest.mark.parametrize('name', SENSORS)
 def test_the_same_state_gives_the_same_image(name: str) -> None:
     image = box(room=True)
-    kept = Image(image.depth.copy(), image.labels.copy())
+    kept = DepthImage(image.depth.copy(), image.labels.copy())
     first, again, other = (seen(name, image, seed) for seed in (5, 5, 6))
     np.testing.assert_array_equal(first.depth, again.depth)
     np.testing.assert_array_equal(first.labels, again.labels)
@@ -315,13 +315,13 @@ def test_the_same_state_gives_the_same_image(name: str) -> None:
 def test_images_of_any_size_are_sensed(name: str, shape: tuple[int, int]) -> None:
     height, width = shape
     camera = camera_of(name, width, height)
-    nothing = Image(np.zeros(shape, np.float32), np.full(shape, NO_BODY, np.int32))
-    found = sense(name, nothing, camera, np.random.default_rng(0))
+    nothing = DepthImage(np.zeros(shape, np.float32), np.full(shape, NO_BODY, np.int32))
+    found = apply_sensor(name, nothing, camera, np.random.default_rng(0))
     assert not found.depth.any()
     assert (found.labels == NO_BODY).all()
 
-    solid = Image(np.full(shape, 2.0, np.float32), np.full(shape, 3, np.int32))
-    found = sense(name, solid, camera, np.random.default_rng(0))
+    solid = DepthImage(np.full(shape, 2.0, np.float32), np.full(shape, 3, np.int32))
+    found = apply_sensor(name, solid, camera, np.random.default_rng(0))
     assert found.depth.shape == found.labels.shape == shape
     assert np.isfinite(found.depth).all()
     np.testing.assert_array_equal(found.labels, np.where(found.depth > 0, 3, NO_BODY))
@@ -332,8 +332,8 @@ def test_effects_in_pixels_follow_the_size_of_the_image() -> None:
         camera = camera_of('zed', width, width * 3 // 4)
         depth = np.full((40, width), 3.4, np.float32)
         depth[:, width // 2 :] = 1.8
-        image = Image(depth, np.ones(depth.shape, np.int32))
-        found = sense('zed', image, camera, np.random.default_rng(0)).depth[:, width // 4 :]
+        image = DepthImage(depth, np.ones(depth.shape, np.int32))
+        found = apply_sensor('zed', image, camera, np.random.default_rng(0)).depth[:, width // 4 :]
         return float((found == 0).sum() / 40)
 
     assert shadow(1280) == pytest.approx(4 * shadow(320), rel=0.25)

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation, Slerp
 
-from lsc_pose_ros.synthetic.motion.rotations import (
-    about,
-    arc,
-    between,
-    continuous,
-    frames_along,
+from lsc_pose_ros.synthetic.geometry.rotations import (
+    axis_rotation,
+    continuous_signs,
     from_quaternions,
     from_rotation_vectors,
-    half_turn,
+    half_turns,
+    interpolate_rotations,
+    limb_frames,
+    normalised,
     rotation_vectors,
+    shortest_rotation,
+    signed_slerp,
     slerp,
-    swing,
     to_quaternions,
-    unit,
 )
 
 RANDOM = np.random.default_rng(21)
@@ -32,7 +32,7 @@ ROTATIONS = Rotation.concatenate(
     ]
 )
 MATRICES = ROTATIONS.as_matrix()
-DIRECTIONS = unit(RANDOM.normal(size=(100, 3)))
+DIRECTIONS = normalised(RANDOM.normal(size=(100, 3)))
 
 
 def test_quaternions_and_back():
@@ -54,13 +54,15 @@ def test_rotation_vectors_and_back():
 def test_about_an_axis(axis, name):
     angles = np.linspace(-4, 4, 9)
     np.testing.assert_allclose(
-        about(axis, angles), Rotation.from_euler(name, angles[:, None]).as_matrix(), atol=1e-12
+        axis_rotation(axis, angles),
+        Rotation.from_euler(name, angles[:, None]).as_matrix(),
+        atol=1e-12,
     )
 
 
 def test_half_turns():
     expected = Rotation.from_rotvec(np.pi * DIRECTIONS).as_matrix()
-    np.testing.assert_allclose(half_turn(DIRECTIONS), expected, atol=1e-12)
+    np.testing.assert_allclose(half_turns(DIRECTIONS), expected, atol=1e-12)
 
 
 def test_the_smallest_rotation_from_one_direction_to_another():
@@ -69,7 +71,7 @@ def test_the_smallest_rotation_from_one_direction_to_another():
     ends[10:20] = DIRECTIONS[10:20]
     starts = np.concatenate([DIRECTIONS, np.eye(3), -np.eye(3)])
     ends = np.concatenate([ends, -np.eye(3), np.eye(3)])
-    found = swing(starts, ends)
+    found = shortest_rotation(starts, ends)
     np.testing.assert_allclose(np.einsum('nij,nj->ni', found, starts), ends, atol=1e-9)
     np.testing.assert_allclose(found @ found.transpose(0, 2, 1), [np.eye(3)] * 106, atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(found), 1, atol=1e-9)
@@ -79,35 +81,41 @@ def test_the_smallest_rotation_from_one_direction_to_another():
 
 def test_frames_point_along_and_look_ahead():
     along, ahead = DIRECTIONS[:50], DIRECTIONS[50:]
-    frames = frames_along(along, ahead)
+    frames = limb_frames(along, ahead)
     np.testing.assert_allclose(frames @ [0, -1, 0], along, atol=1e-12)
     np.testing.assert_allclose(np.linalg.det(frames), 1, atol=1e-12)
     assert ((frames[:, :, 2] * ahead).sum(axis=1) > 0).all()
     np.testing.assert_allclose((frames[:, :, 0] * ahead).sum(axis=1), 0, atol=1e-12)
 
 
-@pytest.mark.parametrize('share', [0.0, 0.3, 1.0])
-def test_ways_between_rotations(share):
+@pytest.mark.parametrize('fraction', [0.0, 0.3, 1.0])
+def test_ways_between_rotations(fraction):
     for first, last in pairwise(MATRICES):
         pair = Rotation.from_matrix([first, last])
         if (pair[0].inv() * pair[1]).magnitude() > np.pi - 1e-3:
             continue  # either way is the shortest
-        expected = Slerp([0, 1], pair)(share).as_matrix()
-        np.testing.assert_allclose(between(first, last, share), expected, atol=1e-6)
+        expected = Slerp([0, 1], pair)(fraction).as_matrix()
+        np.testing.assert_allclose(
+            interpolate_rotations(first, last, fraction), expected, atol=1e-6
+        )
 
 
 def test_a_continuous_way_has_no_leap_and_is_the_same_rotations():
     angles = np.linspace(0, 15, 60)
-    quaternions = to_quaternions(about(1, angles))
+    quaternions = to_quaternions(axis_rotation(1, angles))
     assert np.abs(np.diff(quaternions, axis=0)).max() > 0.5
-    smooth = continuous(quaternions)
+    smooth = continuous_signs(quaternions)
     assert np.abs(np.diff(smooth, axis=0)).max() < 0.2
-    np.testing.assert_allclose(from_quaternions(smooth), about(1, angles), atol=1e-12)
+    np.testing.assert_allclose(from_quaternions(smooth), axis_rotation(1, angles), atol=1e-12)
 
 
 def test_an_arc_goes_the_way_that_the_signs_tell():
-    start, end = to_quaternions(about(1, np.array([0.0, 1.0])))
-    short, long = arc(start, end, 0.5), arc(start, -end, 0.5)
-    np.testing.assert_allclose(from_quaternions(short), about(1, np.array(0.5)), atol=1e-12)
-    np.testing.assert_allclose(from_quaternions(long), about(1, np.array(0.5 - np.pi)), atol=1e-12)
+    start, end = to_quaternions(axis_rotation(1, np.array([0.0, 1.0])))
+    short, long = signed_slerp(start, end, 0.5), signed_slerp(start, -end, 0.5)
+    np.testing.assert_allclose(
+        from_quaternions(short), axis_rotation(1, np.array(0.5)), atol=1e-12
+    )
+    np.testing.assert_allclose(
+        from_quaternions(long), axis_rotation(1, np.array(0.5 - np.pi)), atol=1e-12
+    )
     np.testing.assert_allclose(slerp(start, -end, 0.5), short, atol=1e-12)

@@ -1,4 +1,4 @@
-"""A depth image and its mask."""
+"""A depth image with its label image."""
 
 from typing import NamedTuple
 
@@ -6,11 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-class Image(NamedTuple):
-    """What the camera sees.
+class DepthImage(NamedTuple):
+    """A depth image with the bodies that its pixels show.
 
     Attributes:
-        depth: metres, 0 where there is nothing, shape (H, W), float32.
+        depth: metres, 0 if the pixel shows nothing, shape (H, W), float32.
         labels: the body that a pixel shows, or NO_BODY, shape (H, W), int32.
     """
 

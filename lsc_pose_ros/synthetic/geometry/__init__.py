@@ -1,0 +1,1 @@
+"""Rotations, vectorised and as compiled kernels."""
