@@ -22,7 +22,7 @@ from lsc_pose_ros.viz.drawing.canvas import write_beside
 
 TOLERANCE = 0.1
 
-FIFTEEN = numbers_of(
+COMMON_JOINTS = numbers_of(
     ['head', 'neck', 'torso']
     + [
         f'{side}_{joint}'
@@ -36,7 +36,7 @@ YAWS = (0, 30, 60, 90, 120, 150, 180)
 DISTANCES = (0, 1.5, 2, 2.5, 3, 3.5, 4, 5, 10)
 
 
-class People(NamedTuple):
+class EvaluatedPeople(NamedTuple):
     """The evaluation of P people, with their view and distance.
 
     Attributes:
@@ -52,19 +52,19 @@ class People(NamedTuple):
     recording: NDArray[np.str_]
 
 
-def measure(estimator: Estimator, recording: str, frames: Iterable[Frame]) -> People:
+def measure(estimator: Estimator, recording: str, frames: Iterable[Frame]) -> EvaluatedPeople:
     """Evaluate `estimator` on the people of a labelled recording.
 
     Raises:
         InputError: nobody is labelled.
     """
     views: list[NDArray[np.float64]] = []
-    evaluation = evaluate(estimator, _watched(frames, views))
+    evaluation = evaluate(estimator, _recording_views(frames, views))
     yaw, distance = np.concatenate(views).T
-    return People(evaluation, yaw, distance, np.full(len(yaw), recording))
+    return EvaluatedPeople(evaluation, yaw, distance, np.full(len(yaw), recording))
 
 
-def _watched(frames: Iterable[Frame], views: list[NDArray[np.float64]]) -> Iterator[Frame]:
+def _recording_views(frames: Iterable[Frame], views: list[NDArray[np.float64]]) -> Iterator[Frame]:
     """Yield `frames`; append yaw and distance of the people that `evaluate` counts to `views`."""
     for frame in frames:
         if frame.ground_truth is not None and len(frame.ground_truth.bodies):
@@ -107,19 +107,22 @@ def _positions(ground_truth: Skeletons, names: Sequence[str]) -> NDArray[np.floa
     return select_joints(ground_truth, numbers).astype(np.float64)
 
 
-def join(people: Sequence[People]) -> People:
+def join(people: Sequence[EvaluatedPeople]) -> EvaluatedPeople:
     """Concatenate several groups of people."""
     parts = [each.evaluation for each in people]
-    together = parts[0]._replace(
+    joined = parts[0]._replace(
         **{
             name: np.concatenate([getattr(part, name) for part in parts])
             for name in Evaluation._fields
             if name != 'joints'
         }
     )
-    return People(
-        together,
-        *(np.concatenate([getattr(each, name) for each in people]) for name in People._fields[1:]),
+    return EvaluatedPeople(
+        joined,
+        *(
+            np.concatenate([getattr(each, name) for each in people])
+            for name in EvaluatedPeople._fields[1:]
+        ),
     )
 
 
@@ -130,14 +133,14 @@ def score(evaluation: Evaluation, chosen: NDArray[np.bool_] | None = None) -> di
             errors=evaluation.errors[chosen], confidence=evaluation.confidence[chosen]
         )
     summary = summarise(evaluation, TOLERANCE)
-    fifteen = [
-        each.ap for name, each in summary.joints.items() if numbers_of([name])[0] in FIFTEEN
+    common = [
+        each.ap for name, each in summary.joints.items() if numbers_of([name])[0] in COMMON_JOINTS
     ]
     return {
         'people': len(evaluation.errors),
         'mean_error_m': summary.mean_error_m,
         'map': summary.map,
-        'map_15': float(np.mean(fifteen)) if fifteen else None,
+        'map_15': float(np.mean(common)) if common else None,
         **{
             part: _mean_of([s.ap for name, s in summary.joints.items() if name.endswith(part)])
             for part in ('elbow', 'hand', 'knee', 'foot')
@@ -156,7 +159,9 @@ def joint_scores(evaluation: Evaluation) -> dict[str, Any]:
     return {name: each._asdict() for name, each in summary.joints.items()}
 
 
-def binned(people: People, values: NDArray[np.float64], edges: Sequence[float]) -> dict[str, Any]:
+def binned(
+    people: EvaluatedPeople, values: NDArray[np.float64], edges: Sequence[float]
+) -> dict[str, Any]:
     """Return the figures of the people in each bin of `values`; empty bins are left out."""
     rows = {}
     for low, high in itertools.pairwise(edges):
@@ -166,13 +171,13 @@ def binned(people: People, values: NDArray[np.float64], edges: Sequence[float]) 
     return rows
 
 
-def by_recording(people: People) -> dict[str, Any]:
+def by_recording(people: EvaluatedPeople) -> dict[str, Any]:
     """Return the figures of each recording, in their order in `people`."""
     names = list(dict.fromkeys(people.recording.tolist()))
     return {name: score(people.evaluation, people.recording == name) for name in names}
 
 
-def real_scores(people: People, fitted: People | None) -> dict[str, Any]:
+def real_scores(people: EvaluatedPeople, fitted: EvaluatedPeople | None) -> dict[str, Any]:
     """Return the figures of the fifteen joints on real people, with and without offsets.
 
     Args:
@@ -188,7 +193,7 @@ def real_scores(people: People, fitted: People | None) -> dict[str, Any]:
 
 
 def _common(evaluation: Evaluation) -> NDArray[np.uint16]:
-    return FIFTEEN[np.isin(FIFTEEN, evaluation.joints)]
+    return COMMON_JOINTS[np.isin(COMMON_JOINTS, evaluation.joints)]
 
 
 def write_card(results: dict[str, Any], name: str, page: Path) -> None:

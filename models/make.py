@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 from card import (
     DISTANCES,
     YAWS,
-    People,
+    EvaluatedPeople,
     binned,
     by_recording,
     join,
@@ -33,7 +33,7 @@ from card import (
     write_card,
     write_tables,
 )
-from people import RECIPES, Mocap, Part, find_mocap, generate
+from people import RECIPES, MocapSplit, RecordingSpec, find_mocap, generate
 
 from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli import main as command_line
@@ -46,7 +46,7 @@ from lsc_pose_ros.pose.estimator import Estimator
 
 HERE = Path(__file__).resolve().parent
 
-TRAINING_WORDS = (
+COMMON_TRAIN_OPTIONS = (
     '--feature', 'mixed', '--split-features', '48', '--candidates', '3', '--seed', '0',
     '--joint-reach', '0.5', '--joint-fraction', '0.2333', '--vote-bandwidth', '0.15',
     '--fewest-neighbours', '3', '--fill-holes', '5', '--noise-factor', '4',
@@ -55,11 +55,11 @@ TRAINING_WORDS = (
 """Options of `lsc_pose train` for all models."""
 
 
-LARGEST = 20_000_000
+MAX_BYTES = 20_000_000
 """The largest size of a model of the package, bytes."""
 
 
-class Made(NamedTuple):
+class ModelFiles(NamedTuple):
     """The files that a model was made from, and its own."""
 
     training: list[Path]
@@ -72,12 +72,12 @@ def main(words: Sequence[str] | None = None) -> int:
     arguments = _parser().parse_args(words)
     try:
         arguments.directory.mkdir(parents=True, exist_ok=True)
-        mocap = Mocap()
+        mocap = MocapSplit()
         if arguments.mocap:
             mocap = find_mocap(arguments.mocap, arguments.mapping)
-        made = make(arguments, mocap)
-        results = measure_model(arguments, made.model, mocap)
-        publish(arguments, made, results)
+        files = make(arguments, mocap)
+        results = measure_model(arguments, files.model, mocap)
+        publish(arguments, files, results)
     except InputError as error:
         sys.stderr.write(f'make: error: {error}\n')
         return command_line.BAD_INPUT
@@ -136,7 +136,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def make(arguments: argparse.Namespace, mocap: Mocap) -> Made:
+def make(arguments: argparse.Namespace, mocap: MocapSplit) -> ModelFiles:
     """Generate the recordings and train the model.
 
     Raises:
@@ -146,26 +146,33 @@ def make(arguments: argparse.Namespace, mocap: Mocap) -> Made:
     recipe, folder = RECIPES[arguments.name], arguments.directory
     training = generate(_scaled(recipe.training, arguments), mocap, folder, test=False)
     others = generate(_scaled(recipe.calibration, arguments), mocap, folder, test=False)
-    words = _words(arguments)
+    train_options = _train_options(arguments)
     digest = hashlib.sha256(
-        repr([words, [path.name for path in [*training, *others]]]).encode()
+        repr([train_options, [path.name for path in [*training, *others]]]).encode()
     ).hexdigest()[:8]
     model = folder / f'{arguments.name}_{digest}.npz'
     if not model.exists():
         paths = [str(path) for path in training]
         calibration = ['--calibrate', *map(str, others)]
-        status = command_line.main(['train', *paths, '-o', str(model), *words, *calibration])
+        status = command_line.main(
+            ['train', *paths, '-o', str(model), *train_options, *calibration]
+        )
         if status:
             raise SystemExit(status)
-    return Made(training, others, model)
+    return ModelFiles(training, others, model)
 
 
-def _words(arguments: argparse.Namespace) -> list[str]:
+def _train_options(arguments: argparse.Namespace) -> list[str]:
     recipe = RECIPES[arguments.name]
-    return [*TRAINING_WORDS, *recipe.words, '--memory', str(arguments.memory or recipe.memory)]
+    return [
+        *COMMON_TRAIN_OPTIONS,
+        *recipe.train_options,
+        '--memory',
+        str(arguments.memory or recipe.memory),
+    ]
 
 
-def measure_model(arguments: argparse.Namespace, model: Path, mocap: Mocap) -> dict[str, Any]:
+def measure_model(arguments: argparse.Namespace, model: Path, mocap: MocapSplit) -> dict[str, Any]:
     """Return all figures of the model's card.
 
     Raises:
@@ -190,58 +197,58 @@ def measure_model(arguments: argparse.Namespace, model: Path, mocap: Mocap) -> d
 
 
 def _measure(
-    estimator: Estimator, parts: Sequence[Part], mocap: Mocap, folder: Path
-) -> list[People]:
-    paths = generate(parts, mocap, folder, test=True)
-    return [_read(estimator, part.name, path) for part, path in zip(parts, paths, strict=True)]
+    estimator: Estimator, specs: Sequence[RecordingSpec], mocap: MocapSplit, folder: Path
+) -> list[EvaluatedPeople]:
+    paths = generate(specs, mocap, folder, test=True)
+    return [_read(estimator, spec.name, path) for spec, path in zip(specs, paths, strict=True)]
 
 
-def _read(estimator: Estimator, name: str, path: Path) -> People:
+def _read(estimator: Estimator, name: str, path: Path) -> EvaluatedPeople:
     return measure(estimator, name, read_frames([open_recording(path)], name))
 
 
-def publish(arguments: argparse.Namespace, made: Made, results: dict[str, Any]) -> None:
+def publish(arguments: argparse.Namespace, files: ModelFiles, results: dict[str, Any]) -> None:
     """Write the model, its figures and its card.
 
     Raises:
         InputError: the model is too large for the package.
     """
-    if made.model.stat().st_size > LARGEST:
+    if files.model.stat().st_size > MAX_BYTES:
         msg = (
-            f'{made.model} is larger than {LARGEST / 1e6:g} MB; '
+            f'{files.model} is larger than {MAX_BYTES / 1e6:g} MB; '
             'give its recipe more --leaf-samples'
         )
         raise InputError(msg)
     target = arguments.target / f'{arguments.name}.npz'
-    beside = target.with_suffix('.part')
-    shutil.copyfile(made.model, beside)
-    beside.replace(target)
-    facts: dict[str, Any] = {
+    temporary = target.with_suffix('.part')
+    shutil.copyfile(files.model, temporary)
+    temporary.replace(target)
+    metadata: dict[str, Any] = {
         'model': target.name,
         'date': dt.datetime.now(dt.timezone.utc).date().isoformat(),
         'bytes': target.stat().st_size,
         'sha256': hashlib.sha256(target.read_bytes()).hexdigest(),
-        'training': [path.name for path in made.training],
-        'calibration': [path.name for path in made.calibration],
-        'words': _words(arguments),
+        'training': [path.name for path in files.training],
+        'calibration': [path.name for path in files.calibration],
+        'train_options': _train_options(arguments),
         'mocap': bool(arguments.mocap),
     }
-    write_json(target.with_suffix('.json'), facts | results)
+    write_json(target.with_suffix('.json'), metadata | results)
     page = arguments.target / 'README.md'
     if page.exists():
         write_card(results, arguments.name, page)
     print(write_tables(results))
-    print(json.dumps(facts, indent=1))
+    print(json.dumps(metadata, indent=1))
 
 
-def _scaled(parts: Sequence[Part], arguments: argparse.Namespace) -> list[Part]:
+def _scaled(specs: Sequence[RecordingSpec], arguments: argparse.Namespace) -> list[RecordingSpec]:
     return [
-        part._replace(
-            settings=part.settings._replace(
-                frames=max(1, round(arguments.scale * part.settings.frames))
+        spec._replace(
+            settings=spec.settings._replace(
+                frames=max(1, round(arguments.scale * spec.settings.frames))
             )
         )
-        for part in parts
+        for spec in specs
     ]
 
 

@@ -15,10 +15,10 @@ CHILDREN, ADULTS, OLD = (4.0, 12.0), (18.0, 60.0), (65.0, 85.0)
 """Ages, years."""
 
 # Each fifth clip of the motion capture is reserved for the tests.
-_HELD_OUT = 5
+_HELD_OUT_STRIDE = 5
 
 
-class Part(NamedTuple):
+class RecordingSpec(NamedTuple):
     """A synthetic recording.
 
     Attributes:
@@ -38,15 +38,15 @@ class Recipe(NamedTuple):
         calibration: recordings of other people, on which the confidence is calibrated.
         tests: the recordings on which the model is evaluated, all together.
         others: further recordings on which it is evaluated, each on its own.
-        words: options of `lsc_pose train` in addition to those of all models.
+        train_options: options of `lsc_pose train` in addition to those of all models.
         memory: memory of the training, GiB; it limits the number of points per person.
     """
 
-    training: tuple[Part, ...]
-    calibration: tuple[Part, ...]
-    tests: tuple[Part, ...]
-    others: tuple[Part, ...]
-    words: tuple[str, ...]
+    training: tuple[RecordingSpec, ...]
+    calibration: tuple[RecordingSpec, ...]
+    tests: tuple[RecordingSpec, ...]
+    others: tuple[RecordingSpec, ...]
+    train_options: tuple[str, ...]
     memory: float
 
 
@@ -57,96 +57,114 @@ _ALL_ROUND = SyntheticSettings(
 )
 _FRONT = _ALL_ROUND._replace(yaw=60.0)
 
-_MANY_FRONT = Part(
+_MANY_FRONT = RecordingSpec(
     'kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_fraction=0.65)
 )
 
 # Each sensor, people from all sides.
 _ALL_VIEWS = (
-    Part('test_kinect_v1', _ALL_ROUND._replace(frames=600, seed=901)),
-    Part('test_kinect_v2', _ALL_ROUND._replace(frames=300, seed=902, sensor='kinect_v2')),
-    Part('test_azure', _ALL_ROUND._replace(frames=300, seed=903, sensor='azure')),
-    Part('test_realsense', _ALL_ROUND._replace(frames=300, seed=904, sensor='realsense')),
-    Part('test_zed', _ALL_ROUND._replace(frames=300, seed=905, sensor='zed')),
-    Part('test_tof', _ALL_ROUND._replace(frames=300, seed=906, sensor='tof')),
+    RecordingSpec('test_kinect_v1', _ALL_ROUND._replace(frames=600, seed=901)),
+    RecordingSpec('test_kinect_v2', _ALL_ROUND._replace(frames=300, seed=902, sensor='kinect_v2')),
+    RecordingSpec('test_azure', _ALL_ROUND._replace(frames=300, seed=903, sensor='azure')),
+    RecordingSpec('test_realsense', _ALL_ROUND._replace(frames=300, seed=904, sensor='realsense')),
+    RecordingSpec('test_zed', _ALL_ROUND._replace(frames=300, seed=905, sensor='zed')),
+    RecordingSpec('test_tof', _ALL_ROUND._replace(frames=300, seed=906, sensor='tof')),
 )
 # One kind of people each.
-_OTHERS = (
-    Part('test_front', _FRONT._replace(frames=300, seed=911)),
-    Part('test_children', _ALL_ROUND._replace(frames=300, seed=912, age=CHILDREN)),
-    Part('test_adults', _ALL_ROUND._replace(frames=300, seed=913, age=ADULTS)),
-    Part('test_old', _ALL_ROUND._replace(frames=300, seed=916, age=OLD)),
-    Part('test_cropped', _ALL_ROUND._replace(frames=300, seed=914, cropped=True)),
-    Part('test_two_people', _ALL_ROUND._replace(frames=300, seed=915, people=2)),
+_SPECIAL_VIEWS = (
+    RecordingSpec('test_front', _FRONT._replace(frames=300, seed=911)),
+    RecordingSpec('test_children', _ALL_ROUND._replace(frames=300, seed=912, age=CHILDREN)),
+    RecordingSpec('test_adults', _ALL_ROUND._replace(frames=300, seed=913, age=ADULTS)),
+    RecordingSpec('test_old', _ALL_ROUND._replace(frames=300, seed=916, age=OLD)),
+    RecordingSpec('test_cropped', _ALL_ROUND._replace(frames=300, seed=914, cropped=True)),
+    RecordingSpec('test_two_people', _ALL_ROUND._replace(frames=300, seed=915, people=2)),
 )
 
 _FRONT_VIEWS = tuple(
-    Part(f'front_{part.name}', part.settings._replace(seed=part.settings.seed + 40, yaw=60.0))
-    for part in _ALL_VIEWS
+    RecordingSpec(
+        f'front_{spec.name}', spec.settings._replace(seed=spec.settings.seed + 40, yaw=60.0)
+    )
+    for spec in _ALL_VIEWS
 )
 
 RECIPES: dict[str, Recipe] = {
     'default': Recipe(
         training=(
-            Part('kinect_v1', _ALL_ROUND._replace(frames=12_000, seed=101)),
+            RecordingSpec('kinect_v1', _ALL_ROUND._replace(frames=12_000, seed=101)),
             _MANY_FRONT,
-            Part(
+            RecordingSpec(
                 'kinect_v1_far', _ALL_ROUND._replace(frames=1_000, seed=103, distance=(3.0, 5.0))
             ),
-            Part('kinect_v1_cropped', _ALL_ROUND._replace(frames=1_500, seed=104, cropped=True)),
-            Part('kinect_v1_children', _ALL_ROUND._replace(frames=1_500, seed=105, age=CHILDREN)),
-            Part('kinect_v2', _ALL_ROUND._replace(frames=5_000, seed=106, sensor='kinect_v2')),
-            Part('azure', _ALL_ROUND._replace(frames=5_000, seed=107, sensor='azure')),
-            Part('realsense', _ALL_ROUND._replace(frames=6_000, seed=108, sensor='realsense')),
-            Part('zed', _ALL_ROUND._replace(frames=6_000, seed=109, sensor='zed')),
-            Part('tof', _ALL_ROUND._replace(frames=5_000, seed=110, sensor='tof')),
+            RecordingSpec(
+                'kinect_v1_cropped', _ALL_ROUND._replace(frames=1_500, seed=104, cropped=True)
+            ),
+            RecordingSpec(
+                'kinect_v1_children', _ALL_ROUND._replace(frames=1_500, seed=105, age=CHILDREN)
+            ),
+            RecordingSpec(
+                'kinect_v2', _ALL_ROUND._replace(frames=5_000, seed=106, sensor='kinect_v2')
+            ),
+            RecordingSpec('azure', _ALL_ROUND._replace(frames=5_000, seed=107, sensor='azure')),
+            RecordingSpec(
+                'realsense', _ALL_ROUND._replace(frames=6_000, seed=108, sensor='realsense')
+            ),
+            RecordingSpec('zed', _ALL_ROUND._replace(frames=6_000, seed=109, sensor='zed')),
+            RecordingSpec('tof', _ALL_ROUND._replace(frames=5_000, seed=110, sensor='tof')),
             # The same with other seeds.
-            Part('kinect_v1_more', _ALL_ROUND._replace(frames=8_000, seed=111)),
-            Part(
+            RecordingSpec('kinect_v1_more', _ALL_ROUND._replace(frames=8_000, seed=111)),
+            RecordingSpec(
                 'kinect_v2_more', _ALL_ROUND._replace(frames=4_000, seed=112, sensor='kinect_v2')
             ),
-            Part('azure_more', _ALL_ROUND._replace(frames=4_000, seed=113, sensor='azure')),
-            Part(
+            RecordingSpec(
+                'azure_more', _ALL_ROUND._replace(frames=4_000, seed=113, sensor='azure')
+            ),
+            RecordingSpec(
                 'realsense_more', _ALL_ROUND._replace(frames=6_000, seed=114, sensor='realsense')
             ),
-            Part('zed_more', _ALL_ROUND._replace(frames=8_000, seed=115, sensor='zed')),
-            Part('tof_more', _ALL_ROUND._replace(frames=4_000, seed=116, sensor='tof')),
+            RecordingSpec('zed_more', _ALL_ROUND._replace(frames=8_000, seed=115, sensor='zed')),
+            RecordingSpec('tof_more', _ALL_ROUND._replace(frames=4_000, seed=116, sensor='tof')),
         ),
         calibration=(
-            Part('calibration', _ALL_ROUND._replace(frames=1_800, seed=201)),
-            Part(
+            RecordingSpec('calibration', _ALL_ROUND._replace(frames=1_800, seed=201)),
+            RecordingSpec(
                 'calibration_realsense',
                 _ALL_ROUND._replace(frames=900, seed=202, sensor='realsense'),
             ),
-            Part('calibration_tof', _ALL_ROUND._replace(frames=900, seed=203, sensor='tof')),
+            RecordingSpec(
+                'calibration_tof', _ALL_ROUND._replace(frames=900, seed=203, sensor='tof')
+            ),
         ),
         tests=_ALL_VIEWS,
-        others=_OTHERS,
-        words=('--leaf-samples', '42', '--body-yaw'),
+        others=_SPECIAL_VIEWS,
+        train_options=('--leaf-samples', '42', '--body-yaw'),
         memory=20.0,
     ),
     'front': Recipe(
         training=(
             _MANY_FRONT,
-            Part('front_kinect_v1', _FRONT._replace(frames=12_000, seed=301)),
-            Part('front_children', _FRONT._replace(frames=1_500, seed=302, age=CHILDREN)),
-            Part('front_kinect_v2', _FRONT._replace(frames=1_500, seed=303, sensor='kinect_v2')),
-            Part('front_azure', _FRONT._replace(frames=1_500, seed=304, sensor='azure')),
-            Part('front_realsense', _FRONT._replace(frames=1_500, seed=305, sensor='realsense')),
-            Part('front_zed', _FRONT._replace(frames=1_000, seed=306, sensor='zed')),
-            Part('front_tof', _FRONT._replace(frames=1_000, seed=307, sensor='tof')),
+            RecordingSpec('front_kinect_v1', _FRONT._replace(frames=12_000, seed=301)),
+            RecordingSpec('front_children', _FRONT._replace(frames=1_500, seed=302, age=CHILDREN)),
+            RecordingSpec(
+                'front_kinect_v2', _FRONT._replace(frames=1_500, seed=303, sensor='kinect_v2')
+            ),
+            RecordingSpec('front_azure', _FRONT._replace(frames=1_500, seed=304, sensor='azure')),
+            RecordingSpec(
+                'front_realsense', _FRONT._replace(frames=1_500, seed=305, sensor='realsense')
+            ),
+            RecordingSpec('front_zed', _FRONT._replace(frames=1_000, seed=306, sensor='zed')),
+            RecordingSpec('front_tof', _FRONT._replace(frames=1_000, seed=307, sensor='tof')),
         ),
-        calibration=(Part('front_calibration', _FRONT._replace(frames=1_000, seed=401)),),
+        calibration=(RecordingSpec('front_calibration', _FRONT._replace(frames=1_000, seed=401)),),
         tests=_FRONT_VIEWS,
         others=(),
-        words=('--leaf-samples', '20'),
+        train_options=('--leaf-samples', '20'),
         memory=8.0,
     ),
 }
 """The recipe of each model of the package, by name."""
 
 
-class Mocap(NamedTuple):
+class MocapSplit(NamedTuple):
     """The motion capture for half of the people.
 
     Attributes:
@@ -160,17 +178,17 @@ class Mocap(NamedTuple):
     held_out: tuple[str, ...] = ()
 
 
-def find_mocap(folder: Path, mapping: Path | None) -> Mocap:
+def find_mocap(folder: Path, mapping: Path | None) -> MocapSplit:
     """Return the clips in `folder`, some of them held out.
 
     Raises:
         InputError: there are too few clips to hold any out.
     """
     clips = _clips_in(folder)
-    if len(clips) < _HELD_OUT:
-        msg = f'{folder}: {len(clips)} BVH files are too few; give {_HELD_OUT} or more'
+    if len(clips) < _HELD_OUT_STRIDE:
+        msg = f'{folder}: {len(clips)} BVH files are too few; give {_HELD_OUT_STRIDE} or more'
         raise InputError(msg)
-    return Mocap(folder, mapping, tuple(clips[_HELD_OUT - 1 :: _HELD_OUT]))
+    return MocapSplit(folder, mapping, tuple(clips[_HELD_OUT_STRIDE - 1 :: _HELD_OUT_STRIDE]))
 
 
 def _clips_in(folder: Path) -> list[str]:
@@ -179,11 +197,13 @@ def _clips_in(folder: Path) -> list[str]:
     )
 
 
-def generate(parts: Sequence[Part], mocap: Mocap, folder: Path, *, test: bool) -> list[Path]:
-    """Generate the recordings of `parts` in `folder` and return them; existing ones are reused.
+def generate(
+    specs: Sequence[RecordingSpec], mocap: MocapSplit, folder: Path, *, test: bool
+) -> list[Path]:
+    """Generate the recordings of `specs` in `folder` and return them; existing ones are reused.
 
     Args:
-        parts: the recordings.
+        specs: the recordings.
         mocap: the motion capture, if any.
         folder: the folder of the recordings.
         test: whether to use the clips that are held out, or the others.
@@ -192,15 +212,19 @@ def generate(parts: Sequence[Part], mocap: Mocap, folder: Path, *, test: bool) -
         InputError: the settings or the clips cannot be used.
     """
     if mocap.folder is None:
-        return [_generate(part, '', folder) for part in parts]
+        return [_generate(spec, '', folder) for spec in specs]
     clips = ' '.join(_clips_in(mocap.folder))
     return [
-        _generate(part._replace(settings=_moving(part.settings, mocap, test=test)), clips, folder)
-        for part in parts
+        _generate(
+            spec._replace(settings=_with_mocap(spec.settings, mocap, test=test)), clips, folder
+        )
+        for spec in specs
     ]
 
 
-def _moving(settings: SyntheticSettings, mocap: Mocap, *, test: bool) -> SyntheticSettings:
+def _with_mocap(
+    settings: SyntheticSettings, mocap: MocapSplit, *, test: bool
+) -> SyntheticSettings:
     return settings._replace(
         mocap=mocap.folder,
         mocap_mapping=mocap.mapping,
@@ -209,13 +233,12 @@ def _moving(settings: SyntheticSettings, mocap: Mocap, *, test: bool) -> Synthet
     )
 
 
-def _generate(part: Part, clips: str, folder: Path) -> Path:
-    path = folder / f'{part.name}_{_digest(part.settings, clips)}.mcap'
+def _generate(spec: RecordingSpec, clips: str, folder: Path) -> Path:
+    path = folder / f'{spec.name}_{_digest(spec.settings, clips)}.mcap'
     if not path.exists():
-        frames = progress(synthetic_frames(part.settings), part.settings.frames, part.name)
-        with RecordingWriter(
-            path
-        ) as writer:  # renamed at the end, so an existing file is complete
+        frames = progress(synthetic_frames(spec.settings), spec.settings.frames, spec.name)
+        # The writer renames the file at the end, so an existing file is complete.
+        with RecordingWriter(path) as writer:
             for frame in frames:
                 writer.write_frame(frame)
     return path

@@ -79,9 +79,9 @@ def test_a_fifth_of_the_clips_is_held_out(tmp_path: Path) -> None:
     mocap = table.find_mocap(folder, None)
     assert mocap.held_out == ('4', 'more/last')
     settings = SyntheticSettings()
-    learnt = table._moving(settings, mocap, test=False)
+    learnt = table._with_mocap(settings, mocap, test=False)
     assert (learnt.mocap_only, learnt.mocap_without) == ((), mocap.held_out)
-    measured = table._moving(settings, mocap, test=True)
+    measured = table._with_mocap(settings, mocap, test=True)
     assert (measured.mocap_only, measured.mocap_without) == (mocap.held_out, ())
     for number in range(6):
         (folder / f'{number}.bvh').unlink()
@@ -95,11 +95,13 @@ SMALL = SyntheticSettings(width=160, height=120, distance=(2.0, 3.0), clip_lengt
 @pytest.fixture
 def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     """Use a recipe with few small frames."""
-    part = table.Part('few', SMALL._replace(frames=12, seed=1))
-    others = (table.Part('others', SMALL._replace(frames=4, seed=2)),)
+    part = table.RecordingSpec('few', SMALL._replace(frames=12, seed=1))
+    others = (table.RecordingSpec('others', SMALL._replace(frames=4, seed=2)),)
     views = (
-        table.Part('one', SMALL._replace(frames=6, seed=3, yaw=180.0)),
-        table.Part('two', SMALL._replace(frames=3, seed=4, people=2, distance=(2.5, 4.0))),
+        table.RecordingSpec('one', SMALL._replace(frames=6, seed=3, yaw=180.0)),
+        table.RecordingSpec(
+            'two', SMALL._replace(frames=3, seed=4, people=2, distance=(2.5, 4.0))
+        ),
     )
     words = ('--points', '100', '--trees', '1', '--joints', 'torso', 'head', 'l_hand')
     recipe = table.Recipe((part,), others, views, views[:1], words, 8.0)
@@ -140,10 +142,10 @@ def test_a_model_is_trained_and_evaluated_once(tiny: None, tmp_path: Path) -> No
 
 
 def test_settings_determine_the_recording(tmp_path: Path) -> None:
-    parts = [table.Part('few', SMALL._replace(frames=2, seed=seed)) for seed in (1, 2)]
-    paths = table.generate(parts, table.Mocap(), tmp_path, test=False)
+    parts = [table.RecordingSpec('few', SMALL._replace(frames=2, seed=seed)) for seed in (1, 2)]
+    paths = table.generate(parts, table.MocapSplit(), tmp_path, test=False)
     assert len(set(paths)) == 2
-    assert table.generate(parts, table.Mocap(), tmp_path, test=False) == paths
+    assert table.generate(parts, table.MocapSplit(), tmp_path, test=False) == paths
 
 
 def test_figures_of_a_bin_equal_those_of_its_people_alone(small_model_file: Path) -> None:

@@ -1,1 +1,1 @@
-"""Public data sets, read as labelled frames."""
+"""Importers of public data sets as labelled frames."""

@@ -1,14 +1,14 @@
-"""Reads UTD-MHAD (Chen, Jafari, Kehtarnavaz, ICIP 2015): real people before a Kinect v1.
+"""Imports UTD-MHAD (Chen, Jafari, Kehtarnavaz, ICIP 2015): real people in front of a Kinect v1.
 
-Three things about this data set are put right here, because each spoils whatever is trained on it:
+The import corrects three properties of this data set that harm training:
 
-- Its images and its X axis are mirrored: the person's right arm is at image right. Images are
-  flipped, and positions (X, Y up, Z) become (-X, -Y, Z) in the optical frame of REP-103. The names
-  left and right are the person's own already.
-- Its skeletons are two frames ahead of its depth: depth k belongs to skeleton k - 2. The first
-  two depth images of a sequence are left out.
-- Its labels are the Kinect SDK's tracker, not motion capture, and now and then a limb is lost: a
-  joint that projects more than 3 pixels outside the mask is taken as not labelled.
+- Images and X axis are mirrored: the person's right arm is at image right. Images are flipped,
+  and positions (X, Y up, Z) become (-X, -Y, Z) in the optical frame of REP-103. The joint names
+  left and right are already the person's own.
+- The skeletons are two frames ahead of the depth images: depth image k belongs to skeleton k - 2.
+  The first two depth images of a sequence are left out.
+- The labels come from the tracker of the Kinect SDK, not from motion capture, and limbs are
+  sometimes lost. A joint that projects more than 3 pixels outside the mask counts as unlabelled.
 """
 
 from collections.abc import Iterator, Sequence
@@ -24,25 +24,25 @@ from lsc_pose_ros.datasets.utd_mhad_files import (
     FRAME_RATE,
     LAG,
     SECOND,
+    ActionSequence,
     Selection,
-    Take,
     read_depth,
-    select_takes,
+    select_sequences,
 )
 
-__all__ = ['LABEL_MARGIN', 'LAG', 'Selection', 'import_utd_mhad', 'near_mask', 'select_takes']
+__all__ = ['LABEL_MARGIN', 'LAG', 'Selection', 'import_utd_mhad', 'near_mask', 'select_sequences']
 
 LABEL_MARGIN = 3
-"""How many pixels outside the mask a joint may project and still count as labelled."""
+"""Maximum distance between the projection of a labelled joint and the mask, pixels."""
 
 FRAME_ID = 'camera_depth_optical_frame'
 BODY = 1
 
-# The data set gives no intrinsics. The Kinect SDK's nominal ones at 320x240 fit by overlay; its
-# principal column 160 becomes 319 - 160 by the flip.
+# The data set contains no intrinsics. The Kinect SDK's nominal ones at 320x240 fit, as an overlay
+# shows. The flip changes the principal column from 160 to 319 - 160.
 CAMERA = Intrinsics(285.63, 285.63, 159.0, 120.0)
 
-# Skeleton_joint_order.txt in our vocabulary.
+# The order of Skeleton_joint_order.txt, with our joint names.
 JOINT_ORDER: tuple[str, ...] = (
     'head', 'neck', 'torso', 'pelvis',
     'l_shoulder', 'l_elbow', 'l_wrist', 'l_hand', 'r_shoulder', 'r_elbow', 'r_wrist', 'r_hand',
@@ -51,28 +51,32 @@ JOINT_ORDER: tuple[str, ...] = (
 _NUMBERS = [JOINT_NUMBERS[name] for name in JOINT_ORDER]
 
 
-def import_utd_mhad(takes: Sequence[Take], *, label_filter: bool = True) -> Iterator[Frame]:
-    """Read the frames that `select_takes` found, one sequence in memory at a time.
+def import_utd_mhad(
+    sequences: Sequence[ActionSequence], *, label_filter: bool = True
+) -> Iterator[Frame]:
+    """Import the frames that `select_sequences` found, with one sequence in memory at a time.
 
     Args:
-        takes: the sequences and their frames.
-        label_filter: take a joint that projects more than LABEL_MARGIN pixels outside the mask
-            as not labelled (NaN).
+        sequences: the sequences and their frames.
+        label_filter: whether joints that project more than LABEL_MARGIN pixels outside the mask
+            become unlabelled (NaN).
 
     Yields:
-        The frames, un-mirrored and with the lag taken out; stamps rise at the original 30 Hz.
+        The frames without mirroring and lag; stamps increase at the original 30 Hz.
 
     Raises:
         InputError: a depth file is unreadable or does not fit its skeletons.
     """
-    for take in takes:
-        millimetres = read_depth(take)
-        for index in take.frames:
-            depth, positions = upright(millimetres[:, :, index], take.skeletons[:, :, index - LAG])
+    for sequence in sequences:
+        millimetres = read_depth(sequence)
+        for index in sequence.frames:
+            depth, positions = unmirror(
+                millimetres[:, :, index], sequence.skeletons[:, :, index - LAG]
+            )
             if label_filter:
                 positions[~near_mask(positions, depth > 0)] = np.nan
             yield Frame(
-                stamp=take.start + int(index) * SECOND // FRAME_RATE,
+                stamp=sequence.start + int(index) * SECOND // FRAME_RATE,
                 frame_id=FRAME_ID,
                 depth=depth,
                 labels=np.where(depth > 0, BODY, NO_BODY).astype(np.int32),
@@ -81,7 +85,7 @@ def import_utd_mhad(takes: Sequence[Take], *, label_filter: bool = True) -> Iter
             )
 
 
-def upright(
+def unmirror(
     millimetres: NDArray[np.uint16], skeleton: NDArray[np.float64]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Undo the mirroring of one frame.
@@ -92,7 +96,7 @@ def upright(
 
     Returns:
         Depth in metres, flipped left-right, shape (H, W), and the joints in the optical frame in
-        the vocabulary's order, metres, shape (20, 3).
+        the order of JOINT_NAMES, metres, shape (20, 3).
     """
     depth = np.ascontiguousarray(millimetres[:, ::-1]).astype(np.float32) / np.float32(1000)
     positions = np.empty((len(JOINT_NAMES), 3), np.float32)
@@ -103,11 +107,11 @@ def upright(
 def near_mask(
     positions: NDArray[np.float32], mask: NDArray[np.bool_], margin: int = LABEL_MARGIN
 ) -> NDArray[np.bool_]:
-    """Tell which joints, shape (J, 3), project onto `mask` or within `margin` pixels of it."""
+    """Return which joints, shape (J, 3), project onto `mask` or within `margin` pixels of it."""
     height, width = mask.shape
     pixels = project(positions, CAMERA)
     seen: NDArray[np.bool_] = np.asarray(np.isfinite(pixels).all(axis=1))
-    # Far outside is outside: clipping keeps the numbers within int32 whatever the label.
+    # Clipping keeps the numbers within int32, however far outside a label is.
     limits = (width + margin, height + margin)
     centre = np.rint(np.clip(np.where(seen[:, None], pixels, 0), -margin - 1, limits))
     steps = np.arange(-margin, margin + 1)

@@ -1,4 +1,4 @@
-"""Finds and reads the .mat files of UTD-MHAD as they are; `utd_mhad` puts right what they say."""
+"""Finds and reads the .mat files of UTD-MHAD without corrections, which `utd_mhad` applies."""
 
 import re
 from collections.abc import Sequence
@@ -11,30 +11,30 @@ from numpy.typing import NDArray
 from lsc_pose_ros.errors import InputError
 
 LAG = 2
-"""How many frames the skeletons are ahead of the depth images."""
+"""Number of frames that the skeletons are ahead of the depth images."""
 
 FRAME_RATE = 30
 SECOND = 1_000_000_000
 
-# The data set carries no time of day: recordings start here (2015-01-01), so that importing twice
+# The data set has no time stamps. Recordings start at this time (2015-01-01), so that each import
 # gives the same file.
 _EPOCH = 1_420_070_400 * SECOND
-_GAP = SECOND  # between sequences, so that nothing takes them for one motion
+_GAP = SECOND  # between sequences, so that they are not taken for one motion
 
 _DEPTH_NAME = re.compile(r'a(\d+)_s(\d+)_t(\d+)_depth\.mat')
 _JOINT_COUNT = 20
 
 
 class Selection(NamedTuple):
-    """Which frames to import.
+    """The frames to import.
 
     Attributes:
-        subjects: the subjects' numbers, or None for all.
-        actions: the actions' numbers, or None for all.
-        trials: the trials' numbers, or None for all.
-        stride: every so many frames of a sequence.
-        max_frames: draw so many frames, spread evenly over all those selected; None takes all.
-        seed: of that draw.
+        subjects: numbers of the subjects, or None for all.
+        actions: numbers of the actions, or None for all.
+        trials: numbers of the trials, or None for all.
+        stride: import every stride-th frame of a sequence.
+        max_frames: sample this number of frames, evenly from all selected ones; None takes all.
+        seed: of the sampling.
     """
 
     subjects: Sequence[int] | None = None
@@ -45,14 +45,14 @@ class Selection(NamedTuple):
     seed: int = 0
 
 
-class Take(NamedTuple):
-    """One sequence of the data set, and which of its depth images to import.
+class ActionSequence(NamedTuple):
+    """One sequence of the data set with the depth images to import.
 
     Attributes:
         depth_path: the file with the depth images.
-        skeletons: joints in the data set's own order and axes, metres, shape (20, 3, T).
+        skeletons: joints in the data set's order and axes, metres, shape (20, 3, T).
         start: the stamp of depth image 0, nanoseconds.
-        frames: the depth images to import, ascending, shape (n,).
+        frames: numbers of the depth images to import, ascending, shape (n,).
     """
 
     depth_path: Path
@@ -61,34 +61,34 @@ class Take(NamedTuple):
     frames: NDArray[np.int64]
 
 
-def select_takes(directory: Path, selection: Selection) -> list[Take]:
+def select_sequences(directory: Path, selection: Selection) -> list[ActionSequence]:
     """Find the frames of `selection`, sorted by subject, action, trial and time.
 
     Args:
-        directory: holds the folders Depth and Skeleton.
-        selection: which frames.
+        directory: the folder that contains the folders Depth and Skeleton.
+        selection: the frames.
 
     Returns:
-        The sequences that have frames to import; the sum of `len(take.frames)` is their number.
+        The sequences that have frames to import.
 
     Raises:
-        InputError: the folder is no UTD-MHAD, nothing in it matches, or a skeleton is unreadable.
+        InputError: the folder is not UTD-MHAD, nothing matches, or a skeleton file is unreadable.
     """
     _check_selection(selection)
-    takes: list[Take] = []
+    sequences: list[ActionSequence] = []
     start = _EPOCH
     for path in _matching_paths(directory, selection):
         skeletons = _read_skeletons(_skeleton_path(path))
         length = skeletons.shape[2]
         frames = np.arange(LAG, length, selection.stride)
-        takes.append(Take(path, skeletons, start, frames))
+        sequences.append(ActionSequence(path, skeletons, start, frames))
         start += length * SECOND // FRAME_RATE + _GAP
-    if not any(len(take.frames) for take in takes):
+    if not any(len(sequence.frames) for sequence in sequences):
         msg = f'no sequence selected in {directory} is longer than {LAG} frames; select more'
         raise InputError(msg)
     if selection.max_frames is not None:
-        takes = _draw(takes, selection.max_frames, selection.seed)
-    return [take for take in takes if len(take.frames)]
+        sequences = _sample(sequences, selection.max_frames, selection.seed)
+    return [sequence for sequence in sequences if len(sequence.frames)]
 
 
 def _check_selection(selection: Selection) -> None:
@@ -96,7 +96,7 @@ def _check_selection(selection: Selection) -> None:
         msg = f'the stride is {selection.stride}; give 1 or more'
         raise InputError(msg)
     if selection.max_frames is not None and selection.max_frames < 1:
-        msg = f'the largest number of frames is {selection.max_frames}; give 1 or more'
+        msg = f'the maximum number of frames is {selection.max_frames}; give 1 or more'
         raise InputError(msg)
     if selection.seed < 0:
         msg = f'the seed is {selection.seed}; give 0 or more'
@@ -113,25 +113,23 @@ def _matching_paths(directory: Path, selection: Selection) -> list[Path]:
             action, subject, trial = (int(group) for group in match.groups())
             found[subject, action, trial] = path
     if not found:
-        msg = (
-            f'{directory / "Depth"} holds no file aA_sS_tT_depth.mat; give the folder of UTD-MHAD'
-        )
+        msg = f'{directory / "Depth"} has no file aA_sS_tT_depth.mat; give the folder of UTD-MHAD'
         raise InputError(msg)
     wanted = (selection.subjects, selection.actions, selection.trials)
-    for place, (kind, numbers) in enumerate(
+    for index, (kind, numbers) in enumerate(
         zip(('subject', 'action', 'trial'), wanted, strict=True)
     ):
-        there = {key[place] for key in found}
-        missing = sorted(set(numbers or ()) - there)
+        available = {key[index] for key in found}
+        missing = sorted(set(numbers or ()) - available)
         if missing:
             msg = (
                 f'{directory} has no sequence of {kind} {missing[0]}; '
-                f'it has {", ".join(str(number) for number in sorted(there))}'
+                f'it has {", ".join(str(number) for number in sorted(available))}'
             )
             raise InputError(msg)
     paths = [found[key] for key in sorted(found) if _matches(key, wanted)]
     if not paths:
-        msg = f'no sequence in {directory} has that subject, action and trial at once; select more'
+        msg = f'no sequence in {directory} has this subject, action and trial; select more'
         raise InputError(msg)
     return paths
 
@@ -146,19 +144,19 @@ def _skeleton_path(depth_path: Path) -> Path:
     return depth_path.parent.parent / 'Skeleton' / name
 
 
-def _draw(takes: Sequence[Take], count: int, seed: int) -> list[Take]:
-    """Keep `count` frames: one at random of each of `count` equal stretches of them all."""
-    lengths = np.array([len(take.frames) for take in takes])
+def _sample(sequences: Sequence[ActionSequence], count: int, seed: int) -> list[ActionSequence]:
+    """Keep `count` frames: a random one from each of `count` equal parts of all frames."""
+    lengths = np.array([len(sequence.frames) for sequence in sequences])
     total = int(lengths.sum())
     if total <= count:
-        return list(takes)
+        return list(sequences)
     edges = np.arange(count + 1) * total // count
     random = np.random.Generator(np.random.PCG64(seed))
     chosen = edges[:-1] + np.floor(random.random(count) * np.diff(edges)).astype(np.int64)
     first = np.concatenate([[0], np.cumsum(lengths)])
     return [
-        take._replace(frames=take.frames[chosen[(chosen >= low) & (chosen < high)] - low])
-        for take, low, high in zip(takes, first[:-1], first[1:], strict=True)
+        sequence._replace(frames=sequence.frames[chosen[(chosen >= low) & (chosen < high)] - low])
+        for sequence, low, high in zip(sequences, first[:-1], first[1:], strict=True)
     ]
 
 
@@ -170,17 +168,17 @@ def _read_skeletons(path: Path) -> NDArray[np.float64]:
     return skeletons
 
 
-def read_depth(take: Take) -> NDArray[np.uint16]:
+def read_depth(sequence: ActionSequence) -> NDArray[np.uint16]:
     """Return all depth images of a sequence as stored, millimetres, shape (H, W, T).
 
     Raises:
         InputError: the file is unreadable or does not fit its skeletons.
     """
-    depth = _load(take.depth_path, 'd_depth')
-    length = take.skeletons.shape[2]
+    depth = _load(sequence.depth_path, 'd_depth')
+    length = sequence.skeletons.shape[2]
     if depth.ndim != 3 or depth.shape[2] != length:
         msg = (
-            f'd_depth in {take.depth_path} has the shape {depth.shape}, '
+            f'd_depth in {sequence.depth_path} has the shape {depth.shape}, '
             f'but its skeleton file has {length} frames; fetch both again'
         )
         raise InputError(msg)
@@ -202,10 +200,10 @@ def _load(path: Path, key: str) -> NDArray[Any]:
         raise InputError(msg)
     try:
         contents = loadmat(path, variable_names=[key])
-    except Exception as error:  # a damaged file leaks half a dozen kinds
+    except Exception as error:  # a damaged file raises exceptions of many types
         msg = f'{path} cannot be read as a .mat file ({error}); fetch it again'
         raise InputError(msg) from error
     if key not in contents:
-        msg = f'{path} holds no {key}; it is no file of UTD-MHAD'
+        msg = f'{path} has no array {key}; it is not a file of UTD-MHAD'
         raise InputError(msg)
     return np.asarray(contents[key])

@@ -1,4 +1,4 @@
-"""The import of UTD-MHAD: mirroring, lag, label filter, selection, errors; and the real data."""
+"""Tests the import of UTD-MHAD: mirroring, lag, label filter, selection, errors, real data."""
 
 import argparse
 import builtins
@@ -21,9 +21,9 @@ from lsc_pose_ros.datasets.utd_mhad import (
     Selection,
     import_utd_mhad,
     near_mask,
-    select_takes,
+    select_sequences,
 )
-from lsc_pose_ros.datasets.utd_mhad_files import Take
+from lsc_pose_ros.datasets.utd_mhad_files import ActionSequence
 from lsc_pose_ros.errors import InputError
 
 HEIGHT, WIDTH = 240, 320
@@ -66,13 +66,13 @@ def small(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def stems(takes: list[Take]) -> list[str]:
-    return [take.depth_path.name.removesuffix('_depth.mat') for take in takes]
+def stems(sequences: list[ActionSequence]) -> list[str]:
+    return [sequence.depth_path.name.removesuffix('_depth.mat') for sequence in sequences]
 
 
 def test_sequences_are_sorted_by_subject_action_and_trial(small: Path) -> None:
-    takes = select_takes(small, Selection())
-    assert stems(takes) == ['a1_s1_t1', 'a2_s1_t2', 'a10_s1_t1', 'a1_s2_t1']
+    sequences = select_sequences(small, Selection())
+    assert stems(sequences) == ['a1_s1_t1', 'a2_s1_t2', 'a10_s1_t1', 'a1_s2_t1']
 
 
 @pytest.mark.parametrize(
@@ -84,28 +84,28 @@ def test_sequences_are_sorted_by_subject_action_and_trial(small: Path) -> None:
         (Selection(subjects=[1], actions=[1]), ['a1_s1_t1']),
     ],
 )
-def test_selection_takes_what_it_names(
+def test_selection_finds_the_named_sequences(
     small: Path, selection: Selection, expected: list[str]
 ) -> None:
-    assert stems(select_takes(small, selection)) == expected
+    assert stems(select_sequences(small, selection)) == expected
 
 
 def test_image_and_positions_are_unmirrored(small: Path) -> None:
-    frame = next(import_utd_mhad(select_takes(small, Selection()), label_filter=False))
+    frame = next(import_utd_mhad(select_sequences(small, Selection()), label_filter=False))
     assert frame.depth.shape == (HEIGHT, WIDTH)
     assert frame.depth.dtype == np.float32
     assert (frame.depth[:, : WIDTH // 2] == np.float32(1.002)).all()
     assert (frame.depth[:, WIDTH // 2 :] == 0).all()
     expected = np.empty((20, 3))
-    for place, name in enumerate(JOINT_ORDER):
-        expected[JOINT_NUMBERS[name]] = (-0.01 * place, -0.02 * place, DISTANCE)
+    for index, name in enumerate(JOINT_ORDER):
+        expected[JOINT_NUMBERS[name]] = (-0.01 * index, -0.02 * index, DISTANCE)
     np.testing.assert_allclose(frame.ground_truth.positions[0], expected, atol=1e-6)
     assert frame.camera == (285.63, 285.63, 159.0, 120.0)
     assert frame.frame_id == 'camera_depth_optical_frame'
 
 
-def test_depth_gets_the_skeleton_two_frames_before(small: Path) -> None:
-    frames = list(import_utd_mhad(select_takes(small, Selection(subjects=[2]))))
+def test_depth_is_paired_with_the_skeleton_of_two_frames_before(small: Path) -> None:
+    frames = list(import_utd_mhad(select_sequences(small, Selection(subjects=[2]))))
     assert LAG == 2
     assert len(frames) == 3
     for index, frame in enumerate(frames):
@@ -115,7 +115,7 @@ def test_depth_gets_the_skeleton_two_frames_before(small: Path) -> None:
 
 
 def test_labels_are_body_one_where_there_is_depth(small: Path) -> None:
-    frame = next(import_utd_mhad(select_takes(small, Selection())))
+    frame = next(import_utd_mhad(select_sequences(small, Selection())))
     assert frame.labels.dtype == np.int32
     np.testing.assert_array_equal(frame.labels, np.where(frame.depth > 0, 1, NO_BODY))
     assert frame.ground_truth.bodies.tolist() == [1]
@@ -123,7 +123,9 @@ def test_labels_are_body_one_where_there_is_depth(small: Path) -> None:
 
 
 def test_stamps_are_thirty_hertz_with_a_gap_between_sequences(small: Path) -> None:
-    stamps = np.array([frame.stamp for frame in import_utd_mhad(select_takes(small, Selection()))])
+    stamps = np.array(
+        [frame.stamp for frame in import_utd_mhad(select_sequences(small, Selection()))]
+    )
     steps = np.diff(stamps)
     inside = np.ones(len(steps), bool)
     inside[2::3] = False
@@ -131,36 +133,40 @@ def test_stamps_are_thirty_hertz_with_a_gap_between_sequences(small: Path) -> No
     assert (steps[~inside] > 10**9).all()
 
 
-def test_stamps_do_not_depend_on_how_many_frames_are_drawn(small: Path) -> None:
-    every = {frame.stamp for frame in import_utd_mhad(select_takes(small, Selection()))}
-    some = select_takes(small, Selection(max_frames=5, seed=3))
+def test_stamps_do_not_depend_on_the_number_of_sampled_frames(small: Path) -> None:
+    every = {frame.stamp for frame in import_utd_mhad(select_sequences(small, Selection()))}
+    some = select_sequences(small, Selection(max_frames=5, seed=3))
     assert {frame.stamp for frame in import_utd_mhad(some)} <= every
 
 
 def test_stride_keeps_every_nth_frame(small: Path) -> None:
-    takes = select_takes(small, Selection(stride=2))
-    assert [take.frames.tolist() for take in takes] == [[2, 4]] * 4
+    sequences = select_sequences(small, Selection(stride=2))
+    assert [sequence.frames.tolist() for sequence in sequences] == [[2, 4]] * 4
 
 
-def test_drawn_frames_are_distinct_even_and_repeatable(tmp_path: Path) -> None:
+def test_sampled_frames_are_distinct_evenly_spread_and_repeatable(tmp_path: Path) -> None:
     for trial in (1, 2, 3):
         write_sequence(tmp_path, 1, 1, trial, length=42)
     selection = Selection(max_frames=30, seed=5)
-    takes = select_takes(tmp_path, selection)
-    again = select_takes(tmp_path, selection)
-    assert [take.frames.tolist() for take in takes] == [take.frames.tolist() for take in again]
-    assert [len(take.frames) for take in takes] == [10, 10, 10]
-    for take in takes:
-        assert take.frames.min() >= LAG
-        assert take.frames.max() < 42
-        assert (np.diff(take.frames) > 0).all()
-    other = select_takes(tmp_path, selection._replace(seed=6))
-    assert [take.frames.tolist() for take in takes] != [take.frames.tolist() for take in other]
+    sequences = select_sequences(tmp_path, selection)
+    again = select_sequences(tmp_path, selection)
+    assert [sequence.frames.tolist() for sequence in sequences] == [
+        sequence.frames.tolist() for sequence in again
+    ]
+    assert [len(sequence.frames) for sequence in sequences] == [10, 10, 10]
+    for sequence in sequences:
+        assert sequence.frames.min() >= LAG
+        assert sequence.frames.max() < 42
+        assert (np.diff(sequence.frames) > 0).all()
+    other = select_sequences(tmp_path, selection._replace(seed=6))
+    assert [sequence.frames.tolist() for sequence in sequences] != [
+        sequence.frames.tolist() for sequence in other
+    ]
 
 
-def test_drawing_more_than_there_is_takes_all(small: Path) -> None:
-    takes = select_takes(small, Selection(max_frames=1000))
-    assert sum(len(take.frames) for take in takes) == 12
+def test_sampling_more_frames_than_available_keeps_all(small: Path) -> None:
+    sequences = select_sequences(small, Selection(max_frames=1000))
+    assert sum(len(sequence.frames) for sequence in sequences) == 12
 
 
 def naive_near_mask(
@@ -189,7 +195,7 @@ def test_label_filter_measures_the_distance_to_the_mask(margin: int) -> None:
         )
 
 
-def test_label_filter_survives_degenerate_labels() -> None:
+def test_label_filter_accepts_degenerate_labels() -> None:
     mask = np.ones((HEIGHT, WIDTH), bool)
     positions = np.array(
         [[0, 0, 2], [np.nan, 0, 2], [0, 0, 0], [0, 0, -1], [1e30, 0, 1], [0, np.inf, 1]],
@@ -199,10 +205,10 @@ def test_label_filter_survives_degenerate_labels() -> None:
     assert not near_mask(positions, np.zeros_like(mask)).any()
 
 
-def test_joints_off_the_mask_are_not_labelled_unless_asked(small: Path) -> None:
-    takes = select_takes(small, Selection())
-    filtered = next(import_utd_mhad(takes)).ground_truth
-    kept = next(import_utd_mhad(takes, label_filter=False)).ground_truth
+def test_joints_off_the_mask_are_unlabelled_unless_the_filter_is_off(small: Path) -> None:
+    sequences = select_sequences(small, Selection())
+    filtered = next(import_utd_mhad(sequences)).ground_truth
+    kept = next(import_utd_mhad(sequences, label_filter=False)).ground_truth
     # The mask is the left half; the joints go from column 159 to the left, the last ones above
     # the image.
     assert np.isfinite(kept.positions).all()
@@ -219,62 +225,60 @@ def test_joints_off_the_mask_are_not_labelled_unless_asked(small: Path) -> None:
         (Selection(subjects=[9]), 'no sequence of subject 9; it has 1, 2'),
         (Selection(actions=[3]), 'no sequence of action 3'),
         (Selection(trials=[4]), 'no sequence of trial 4'),
-        (Selection(subjects=[2], trials=[2]), 'no sequence in .* at once'),
+        (Selection(subjects=[2], trials=[2]), 'no sequence in .* has this subject'),
         (Selection(stride=0), 'stride is 0'),
         (Selection(max_frames=0), 'number of frames is 0'),
         (Selection(seed=-1), 'seed is -1'),
     ],
 )
-def test_selection_that_cannot_be_met_is_refused(
-    small: Path, selection: Selection, words: str
-) -> None:
+def test_impossible_selection_is_refused(small: Path, selection: Selection, words: str) -> None:
     with pytest.raises(InputError, match=words):
-        select_takes(small, selection)
+        select_sequences(small, selection)
 
 
-def test_folder_that_is_no_utd_mhad_is_refused(tmp_path: Path) -> None:
+def test_folder_that_is_not_utd_mhad_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match='no folders Depth and Skeleton'):
-        select_takes(tmp_path / 'nowhere', Selection())
+        select_sequences(tmp_path / 'nowhere', Selection())
     (tmp_path / 'Depth').mkdir()
     (tmp_path / 'Skeleton').mkdir()
-    with pytest.raises(InputError, match=r'holds no file aA_sS_tT_depth\.mat'):
-        select_takes(tmp_path, Selection())
+    with pytest.raises(InputError, match=r'has no file aA_sS_tT_depth\.mat'):
+        select_sequences(tmp_path, Selection())
 
 
 def test_sequences_too_short_for_the_lag_are_refused(tmp_path: Path) -> None:
     write_sequence(tmp_path, 1, 1, 1, length=2)
     with pytest.raises(InputError, match='longer than 2 frames'):
-        select_takes(tmp_path, Selection())
+        select_sequences(tmp_path, Selection())
 
 
-def test_missing_skeleton_is_refused(small: Path) -> None:
+def test_missing_skeleton_file_is_refused(small: Path) -> None:
     (small / 'Skeleton' / 'a1_s1_t1_skeleton.mat').unlink()
     with pytest.raises(InputError, match=r'a1_s1_t1_skeleton\.mat is missing'):
-        select_takes(small, Selection())
+        select_sequences(small, Selection())
 
 
 def test_file_without_its_key_is_refused(small: Path) -> None:
     scipy_io = pytest.importorskip('scipy.io')
     scipy_io.savemat(small / 'Depth' / 'a1_s1_t1_depth.mat', {'other': np.zeros(3)})
-    takes = select_takes(small, Selection())
-    with pytest.raises(InputError, match='holds no d_depth'):
-        next(import_utd_mhad(takes))
+    sequences = select_sequences(small, Selection())
+    with pytest.raises(InputError, match='has no array d_depth'):
+        next(import_utd_mhad(sequences))
 
 
 def test_damaged_file_is_refused(small: Path) -> None:
     path = small / 'Depth' / 'a1_s1_t1_depth.mat'
-    takes = select_takes(small, Selection())
+    sequences = select_sequences(small, Selection())
     whole = path.read_bytes()
     for damaged in (b'', b'no mat file at all', whole[:200], whole[: len(whole) // 2]):
         path.write_bytes(damaged)
         with pytest.raises(InputError, match=r'cannot be read as a \.mat file'):
-            next(import_utd_mhad(takes))
+            next(import_utd_mhad(sequences))
 
 
 def test_depth_and_skeletons_of_different_length_are_refused(tmp_path: Path) -> None:
     write_sequence(tmp_path, 1, 1, 1, length=5, skeleton_length=6)
     with pytest.raises(InputError, match=r'\(240, 320, 5\).* 6 frames'):
-        next(import_utd_mhad(select_takes(tmp_path, Selection())))
+        next(import_utd_mhad(select_sequences(tmp_path, Selection())))
 
 
 def test_skeletons_of_another_shape_are_refused(small: Path) -> None:
@@ -282,10 +286,10 @@ def test_skeletons_of_another_shape_are_refused(small: Path) -> None:
     path = small / 'Skeleton' / 'a1_s1_t1_skeleton.mat'
     scipy_io.savemat(path, {'d_skel': np.zeros((15, 3, 5))})
     with pytest.raises(InputError, match=r'\(15, 3, 5\), not \(20, 3, T\)'):
-        select_takes(small, Selection())
+        select_sequences(small, Selection())
 
 
-def test_missing_scipy_is_named_with_its_remedy(
+def test_missing_scipy_is_reported_with_the_way_to_install_it(
     small: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     true_import = builtins.__import__
@@ -297,7 +301,7 @@ def test_missing_scipy_is_named_with_its_remedy(
 
     monkeypatch.setattr(builtins, '__import__', without_scipy)
     with pytest.raises(InputError, match=r'pip install lsc_pose_ros\[mat\].*python3-scipy'):
-        select_takes(small, Selection())
+        select_sequences(small, Selection())
 
 
 def run_command(*words: object) -> int:
@@ -312,8 +316,8 @@ def test_command_writes_a_labelled_recording(
     output = tmp_path / 'out.mcap'
     assert run_command('utd-mhad', small, output, '--subjects', 1, '--no-label-filter') == 0
     assert '9 frames of 3 sequences' in capsys.readouterr().out
-    takes = select_takes(small, Selection(subjects=[1]))
-    expected = list(import_utd_mhad(takes, label_filter=False))
+    sequences = select_sequences(small, Selection(subjects=[1]))
+    expected = list(import_utd_mhad(sequences, label_filter=False))
     read = list(open_recording(output))
     assert [frame.stamp for frame in read] == [frame.stamp for frame in expected]
     for frame, original in zip(read, expected, strict=True):
@@ -333,31 +337,33 @@ def test_help_states_the_three_corrections(capsys: pytest.CaptureFixture[str]) -
         assert words in text
 
 
-def test_joints_lie_in_the_real_masks_as_often_as_measured(shared: Path) -> None:
-    """The shares that hold only if mirroring, intrinsics, lag and joint order are all right."""
+def test_joints_are_in_the_real_masks_as_often_as_measured(shared: Path) -> None:
+    """These fractions require the right mirroring, intrinsics, lag and joint order."""
     pytest.importorskip('scipy')
-    takes = select_takes(shared / 'utd_mhad', Selection(trials=[1, 3], max_frames=300))
+    sequences = select_sequences(shared / 'utd_mhad', Selection(trials=[1, 3], max_frames=300))
     inside, near = [], []
-    for frame in import_utd_mhad(takes, label_filter=False):
+    for frame in import_utd_mhad(sequences, label_filter=False):
         mask = frame.depth > 0
         inside.append(near_mask(frame.ground_truth.positions[0], mask, 0))
         near.append(near_mask(frame.ground_truth.positions[0], mask))
-    share = dict(zip(JOINT_NAMES, np.mean(inside, axis=0), strict=True))
-    assert share['r_hand'] == pytest.approx(0.76, abs=0.08)
+    fraction = dict(zip(JOINT_NAMES, np.mean(inside, axis=0), strict=True))
+    assert fraction['r_hand'] == pytest.approx(0.76, abs=0.08)
     assert np.mean(near, axis=0)[JOINT_NUMBERS['r_hand']] == pytest.approx(0.93, abs=0.04)
-    assert share['r_wrist'] == pytest.approx(0.90, abs=0.06)
-    assert share['l_elbow'] == pytest.approx(0.97, abs=0.03)
+    assert fraction['r_wrist'] == pytest.approx(0.90, abs=0.06)
+    assert fraction['l_elbow'] == pytest.approx(0.97, abs=0.03)
     for name in ('head', 'neck', 'torso', 'pelvis', 'l_hip', 'r_hip', 'l_knee', 'r_knee'):
-        assert share[name] > 0.98
+        assert fraction[name] > 0.98
 
 
 def test_right_hand_waves_at_image_left_in_the_real_data(shared: Path) -> None:
-    """Action 3 is a wave of the right hand: the arm that leaves the body must be the right one."""
+    """Action 3 waves the right hand, so the arm that moves must be the right one."""
     pytest.importorskip('scipy')
-    takes = select_takes(shared / 'utd_mhad', Selection(subjects=[1], actions=[3], trials=[1]))
+    sequences = select_sequences(
+        shared / 'utd_mhad', Selection(subjects=[1], actions=[3], trials=[1])
+    )
     right, left = JOINT_NUMBERS['r_hand'], JOINT_NUMBERS['l_hand']
     heights = []
-    for frame in import_utd_mhad(takes, label_filter=False):
+    for frame in import_utd_mhad(sequences, label_filter=False):
         positions = frame.ground_truth.positions[0]
         assert positions[right, 0] < positions[left, 0]
         heights.append(positions[[right, left], 1])
@@ -368,6 +374,6 @@ def test_right_hand_waves_at_image_left_in_the_real_data(shared: Path) -> None:
 
 def test_real_subjects_have_the_documented_number_of_sequences(shared: Path) -> None:
     pytest.importorskip('scipy')
-    takes = select_takes(shared / 'utd_mhad', Selection())
-    assert len(takes) == 646
-    assert sum(take.skeletons.shape[2] for take in takes) == 43_314
+    sequences = select_sequences(shared / 'utd_mhad', Selection())
+    assert len(sequences) == 646
+    assert sum(sequence.skeletons.shape[2] for sequence in sequences) == 43_314

@@ -10,7 +10,7 @@ from lsc_pose_ros.datasets.utd_mhad import (
     LAG,
     Selection,
     import_utd_mhad,
-    select_takes,
+    select_sequences,
 )
 
 HELP = 'convert a public data set into a labelled recording'
@@ -96,11 +96,11 @@ def run(arguments: argparse.Namespace) -> int:
         max_frames=arguments.max_frames,
         seed=arguments.seed,
     )
-    takes = select_takes(arguments.directory, selection)
-    count = sum(len(take.frames) for take in takes)
-    frames = import_utd_mhad(takes, label_filter=arguments.label_filter)
+    sequences = select_sequences(arguments.directory, selection)
+    count = sum(len(sequence.frames) for sequence in sequences)
+    frames = import_utd_mhad(sequences, label_filter=arguments.label_filter)
     with RecordingWriter(arguments.output) as writer:
         for frame in progress(frames, count, 'importing'):
             writer.write_frame(frame)
-    print(f'{arguments.output}: {count} frames of {len(takes)} sequences')
+    print(f'{arguments.output}: {count} frames of {len(sequences)} sequences')
     return 0
