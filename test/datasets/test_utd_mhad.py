@@ -333,7 +333,7 @@ def test_help_states_the_three_corrections(capsys: pytest.CaptureFixture[str]) -
     with pytest.raises(SystemExit):
         run_command('utd-mhad', '--help')
     text = capsys.readouterr().out
-    for words in ('flipped left-right', '2 frames ahead', '3 pixels outside the mask'):
+    for words in ('flipped left-right', '2 frames ahead', '3 pixels outside of the mask'):
         assert words in text
 
 

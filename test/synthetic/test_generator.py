@@ -18,9 +18,9 @@ from lsc_pose_ros.synthetic.settings import camera_of, check
 CLEAN = SyntheticSettings(frames=12, clip_length=4, noise='none', seed=3)
 VIDEO = CLEAN._replace(rate=30.0)
 
-NOTED_JOINTS = [-0.1818, -1.1703, 3.1425, 0.0314, -0.7239, 3.0179, -0.2442, 0.4012, 3.043]
-NOTED_PIXELS = 4128
-NOTED_DEPTH = 3.0643
+RECORDED_JOINTS = [-0.1818, -1.1703, 3.1425, 0.0314, -0.7239, 3.0179, -0.2442, 0.4012, 3.043]
+RECORDED_PIXELS = 4128
+RECORDED_DEPTH = 3.0643
 
 
 def frames_of(settings: SyntheticSettings) -> list[Frame]:
@@ -53,7 +53,7 @@ def noisy_frames() -> list[Frame]:
     return frames_of(CLEAN._replace(noise=None))
 
 
-def test_frames_are_what_the_method_expects(noisy_frames: list[Frame]) -> None:
+def test_frames_have_the_expected_arrays(noisy_frames: list[Frame]) -> None:
     assert len(noisy_frames) == 12
     for frame in noisy_frames:
         assert frame.depth.shape == frame.labels.shape == (240, 320)
@@ -74,7 +74,7 @@ def test_depth_is_in_whole_millimetres(noisy_frames: list[Frame]) -> None:
         np.testing.assert_allclose(millimetres, np.rint(millimetres), atol=1e-3)
 
 
-def test_camera_is_a_kinect_unless_told_otherwise() -> None:
+def test_default_camera_is_a_kinect() -> None:
     camera = camera_of(SyntheticSettings())
     assert camera.fx == camera.fy == pytest.approx(286, abs=1)
     assert (camera.cx, camera.cy) == (159.5, 119.5)
@@ -83,7 +83,7 @@ def test_camera_is_a_kinect_unless_told_otherwise() -> None:
 
 
 @pytest.mark.parametrize('name', SENSORS)
-def test_sensors_give_their_size_and_field_of_view(name: str) -> None:
+def test_frames_have_the_size_and_the_field_of_view_of_the_sensor(name: str) -> None:
     sensor = SENSORS[name]
     settings = SyntheticSettings(frames=1, sensor=name, distance=(3.0, 5.0))
     (frame,) = synthetic_frames(settings)
@@ -103,7 +103,7 @@ def test_stamps_follow_the_rate(rate: float | None, step: int) -> None:
 
 
 @pytest.mark.parametrize('change', [{}, {'noise': None, 'background': True}, {'rate': 30.0}])
-def test_same_seed_same_frames_and_another_seed_others(change: dict[str, object]) -> None:
+def test_frames_depend_only_on_the_seed(change: dict[str, object]) -> None:
     settings = CLEAN._replace(frames=6)._replace(**change)
     first, again = frames_of(settings), frames_of(settings)
     assert all(equal(one, other) for one, other in zip(first, again, strict=True))
@@ -111,12 +111,12 @@ def test_same_seed_same_frames_and_another_seed_others(change: dict[str, object]
     assert not any(equal(one, other) for one, other in zip(first, others, strict=True))
 
 
-def test_first_frames_do_not_depend_on_how_many_follow(noisy_frames: list[Frame]) -> None:
+def test_first_frames_do_not_depend_on_the_number_of_frames(noisy_frames: list[Frame]) -> None:
     few = frames_of(CLEAN._replace(noise=None, frames=6))
     assert all(equal(one, other) for one, other in zip(few, noisy_frames, strict=False))
 
 
-def test_frames_stay_what_they_were(clean_frames: list[Frame]) -> None:
+def test_frames_equal_recorded_values(clean_frames: list[Frame]) -> None:
     """Numbers noted once: a seed means the same frames on every machine and in every version.
 
     Changing the generator on purpose changes them; take down the new ones then.
@@ -124,9 +124,9 @@ def test_frames_stay_what_they_were(clean_frames: list[Frame]) -> None:
     frame = clean_frames[5]
     joints = positions_of(frame)
     seen = np.concatenate([joints['head'], joints['l_hand'], joints['r_foot']])
-    np.testing.assert_allclose(seen, NOTED_JOINTS, atol=2e-4)
-    assert int((frame.labels == 1).sum()) == pytest.approx(NOTED_PIXELS, abs=3)
-    assert float(frame.depth[frame.depth > 0].mean()) == pytest.approx(NOTED_DEPTH, abs=2e-4)
+    np.testing.assert_allclose(seen, RECORDED_JOINTS, atol=2e-4)
+    assert int((frame.labels == 1).sum()) == pytest.approx(RECORDED_PIXELS, abs=3)
+    assert float(frame.depth[frame.depth > 0].mean()) == pytest.approx(RECORDED_DEPTH, abs=2e-4)
 
 
 def bones_of(frames: list[Frame]) -> np.ndarray:
@@ -135,13 +135,13 @@ def bones_of(frames: list[Frame]) -> np.ndarray:
     return np.array([np.linalg.norm(each['l_hip'] - each['l_knee']) for each in joints])
 
 
-def test_clips_bring_new_people(clean_frames: list[Frame]) -> None:
+def test_each_clip_has_new_people(clean_frames: list[Frame]) -> None:
     lengths = bones_of(clean_frames).reshape(3, 4)
     assert np.ptp(lengths, axis=1).max() < 1e-4
     assert np.ptp(lengths[:, 0]) > 0.01
 
 
-def test_a_video_is_smooth_within_a_clip_and_other_frames_are_on_their_own(
+def test_videos_are_smooth_within_a_clip_and_other_frames_are_independent(
     clean_frames: list[Frame],
 ) -> None:
     for frames, smooth in ((frames_of(VIDEO), True), (clean_frames, False)):
@@ -154,7 +154,7 @@ def test_a_video_is_smooth_within_a_clip_and_other_frames_are_on_their_own(
         assert (farthest < 0.5).all() if smooth else np.median(farthest) > 0.5
 
 
-def test_joints_lie_on_the_mask_behind_the_skin_and_inside_the_body() -> None:
+def test_joints_are_on_the_mask_and_behind_the_skin() -> None:
     settings = SyntheticSettings(frames=60, clip_length=6, noise='none', yaw=180.0)
     inside, depths = 0, []
     for frame in synthetic_frames(settings):
@@ -172,14 +172,14 @@ def test_joints_lie_on_the_mask_behind_the_skin_and_inside_the_body() -> None:
     assert np.median(np.concatenate(depths)) < 0.12
 
 
-def test_people_who_face_the_camera_have_their_left_at_image_right() -> None:
+def test_left_side_of_people_who_face_the_camera_is_at_image_right() -> None:
     for frame in synthetic_frames(SyntheticSettings(frames=30, clip_length=3, yaw=0.0)):
         joints = positions_of(frame)
         assert joints['l_hip'][0] > joints['r_hip'][0]
         assert joints['neck'][1] < joints['l_foot'][1]
 
 
-def test_yaw_keeps_its_bounds() -> None:
+def test_yaw_is_limited() -> None:
     """The line through the hips tells where a person faces, but for some turning of the pelvis."""
     angles = []
     for frame in synthetic_frames(SyntheticSettings(frames=60, clip_length=6, yaw=40.0)):
@@ -206,7 +206,7 @@ def test_people_are_in_full_view_within_the_distance() -> None:
     assert np.std(distances) > 0.2
 
 
-def test_cropped_people_meet_the_edge() -> None:
+def test_cropped_people_touch_the_image_edge() -> None:
     settings = SyntheticSettings(
         frames=10, clip_length=2, distance=(1.0, 1.3), stature=(1.8, 1.9), cropped=True
     )
@@ -217,7 +217,7 @@ def test_cropped_people_meet_the_edge() -> None:
         assert 0 <= row <= 239
 
 
-def up_of(settings: SyntheticSettings) -> float:
+def camera_height_of(settings: SyntheticSettings) -> float:
     """The camera's height over the floor, as the lowest of all that is seen tells it."""
     (frame,) = synthetic_frames(settings)
     rows, columns = np.nonzero(frame.labels == 1)
@@ -229,15 +229,15 @@ def up_of(settings: SyntheticSettings) -> float:
 
 
 @pytest.mark.parametrize(('height', 'tilt'), [(0.6, -5.0), (1.2, 0.0), (2.4, 25.0)])
-def test_the_camera_is_as_high_and_as_tilted_as_asked(height: float, tilt: float) -> None:
+def test_camera_has_the_given_height_and_tilt(height: float, tilt: float) -> None:
     settings = CLEAN._replace(
         frames=1, camera_height=(height, height), camera_tilt=(tilt, tilt), distance=(2.5, 5.0)
     )
     for seed in range(5):
-        assert up_of(settings._replace(seed=seed)) == pytest.approx(height, abs=0.03)
+        assert camera_height_of(settings._replace(seed=seed)) == pytest.approx(height, abs=0.03)
 
 
-def test_several_people_are_numbered_and_hide_one_another() -> None:
+def test_several_people_are_numbered_and_hide_each_other() -> None:
     settings = SyntheticSettings(frames=40, people=3, noise='none', distance=(1.5, 6.0))
     hidden = 0
     for frame in synthetic_frames(settings):
@@ -254,13 +254,13 @@ def test_several_people_are_numbered_and_hide_one_another() -> None:
     assert hidden > 0
 
 
-def test_a_crowd_finds_place() -> None:
+def test_six_people_can_be_placed() -> None:
     settings = SyntheticSettings(frames=10, people=6, distance=(2.0, 6.0), noise='none')
     for frame in synthetic_frames(settings._replace(field_of_view=80.0)):
         assert len(np.unique(frame.labels)) == 7
 
 
-def test_a_background_changes_nothing_of_the_people() -> None:
+def test_background_does_not_change_the_people() -> None:
     for with_room, without in zip(
         synthetic_frames(CLEAN._replace(background=True, people=2, distance=(2.0, 5.0))),
         synthetic_frames(CLEAN._replace(people=2, distance=(2.0, 5.0))),
@@ -279,7 +279,7 @@ def test_a_background_changes_nothing_of_the_people() -> None:
         assert (with_room.depth > 0)[~people].any()
 
 
-def test_motion_capture_moves_people(shared: Path) -> None:
+def test_people_move_by_motion_capture(shared: Path) -> None:
     settings = CLEAN._replace(mocap=shared / 'mocap_cmu', mocap_fraction=1.0, rate=30.0)
     captured, own = (frames_of(each) for each in (settings, settings._replace(mocap_fraction=0.0)))
     np.testing.assert_allclose(bones_of(captured), bones_of(own), rtol=1e-5)
@@ -322,7 +322,7 @@ def test_sixty_frames_a_second() -> None:
         ({'mocap_only': ('01_01',)}, 'the folder is not given'),
     ],
 )
-def test_settings_that_cannot_be_met_are_refused(change: dict[str, object], words: str) -> None:
+def test_invalid_settings_are_refused(change: dict[str, object], words: str) -> None:
     settings = SyntheticSettings()._replace(**change)
     with pytest.raises(InputError, match=words):
         check(settings)
@@ -337,6 +337,6 @@ def test_settings_that_cannot_be_met_are_refused(change: dict[str, object], word
         ({'distance': (0.5, 0.6)}, r'no place found for a person .* 0\.5 and 0\.6 m'),
     ],
 )
-def test_what_contradicts_itself_is_found_out(change: dict[str, object], words: str) -> None:
+def test_contradictory_settings_are_refused(change: dict[str, object], words: str) -> None:
     with pytest.raises(InputError, match=words):
         frames_of(CLEAN._replace(**change))

@@ -50,7 +50,7 @@ def sampled(population: Population, count: int = 400) -> np.ndarray:
     return np.array([sample_stature(population, random) for _ in range(count)])
 
 
-def test_all_ages_sexes_and_statures_are_drawn() -> None:
+def test_all_ages_sexes_and_statures_are_sampled() -> None:
     age, sex, metres = sampled(Population()).T
     assert age.min() < 6
     assert age.max() > 75
@@ -65,16 +65,14 @@ def test_all_ages_sexes_and_statures_are_drawn() -> None:
     ('age', 'sex', 'expected'),
     [(5, 0.0, 1.08), (10, 1.0, 1.385), (30, 1.0, 1.77), (30, 0.0, 1.635)],
 )
-def test_statures_are_about_those_of_the_age_and_sex(
-    age: float, sex: float, expected: float
-) -> None:
+def test_statures_agree_with_age_and_sex(age: float, sex: float, expected: float) -> None:
     people = sampled(Population(age=(age, age)), 2000)
     metres = people[people[:, 1] == sex, 2]
     assert metres.mean() == pytest.approx(expected, rel=0.01)
     assert np.abs(metres / expected - 1).max() < 0.12
 
 
-def test_ages_and_statures_asked_for_are_kept() -> None:
+def test_ages_and_statures_are_within_the_population() -> None:
     age, _, metres = sampled(Population(age=(8, 30), stature=(1.5, 1.6))).T
     assert 8 <= age.min() < age.max() <= 30
     assert 1.5 <= metres.min() < metres.max() <= 1.6
@@ -82,7 +80,7 @@ def test_ages_and_statures_asked_for_are_kept() -> None:
         sample_stature(Population(age=(2, 3), stature=(1.7, 1.8)), source(0))
 
 
-def test_people_are_as_tall_as_drawn(body: BodyModel) -> None:
+def test_people_have_the_sampled_stature(body: BodyModel) -> None:
     sampler = BodySampler(body)
     for seed in range(8):
         *_, metres = sample_stature(Population(), source(seed))
@@ -92,7 +90,7 @@ def test_people_are_as_tall_as_drawn(body: BodyModel) -> None:
 
 
 @pytest.mark.parametrize('age', [1.0, 4.0, 12.0, 30.0, 90.0])
-def test_every_build_is_possible(body: BodyModel, age: float) -> None:
+def test_each_sampled_build_is_valid(body: BodyModel, age: float) -> None:
     for seed in range(20):
         body_shape = sample_build(body, age, seed % 2, source(seed))
         shape_body(body, body_shape)  # refuses what is out of range
@@ -118,7 +116,7 @@ def naive_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
 
 
-def test_normals_are_those_of_the_equation(body: BodyModel, people: list[RestBody]) -> None:
+def test_normals_agree_with_the_equation(body: BodyModel, people: list[RestBody]) -> None:
     random = np.random.default_rng(3)
     vertices = random.normal(size=(40, 3))
     vertices[7] = vertices[8] = vertices[9]  # triangles that are points and lines
@@ -132,7 +130,7 @@ def test_normals_are_those_of_the_equation(body: BodyModel, people: list[RestBod
     np.testing.assert_allclose(own, expected, atol=1e-9)
 
 
-def test_clothes_move_the_skin_outward_a_little_and_leave_the_joints(
+def test_clothes_displace_the_skin_outwards_and_keep_the_joints(
     regions: ClothesRegions, people: list[RestBody]
 ) -> None:
     thickest = []
@@ -149,7 +147,7 @@ def test_clothes_move_the_skin_outward_a_little_and_leave_the_joints(
     assert np.std(thickest) > 0.004
 
 
-def test_clothes_cover_what_they_are_for(body: BodyModel, regions: ClothesRegions) -> None:
+def test_clothes_regions_cover_the_right_parts(body: BodyModel, regions: ClothesRegions) -> None:
     weights = dict(zip(REGIONS, regions.weights.T, strict=True))
     assert (regions.weights >= 0).all()
     vertices = body.mean[: len(body.skin_bones)].astype(float)
@@ -179,7 +177,7 @@ def test_clothes_vary() -> None:
     assert bare['trunk'] == 0
 
 
-def test_outermost_vertices_stand_for_the_skin(body: BodyModel, people: list[RestBody]) -> None:
+def test_hull_vertices_approximate_the_skin(body: BodyModel, people: list[RestBody]) -> None:
     numbers = hull_vertices(body)
     assert len(numbers) < 1500
     directions = np.random.default_rng(0).normal(size=(200, 3))

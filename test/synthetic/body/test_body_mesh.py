@@ -72,20 +72,20 @@ def random_pose(body, random, most):
     return named_rotations(body, dict(zip(map(str, body.bones), orientations, strict=True)))
 
 
-def test_the_file_is_small_and_tells_where_it_comes_from(body):
+def test_body_file_is_small_and_names_its_licence(body):
     assert resource('bodies', 'body.npz').stat().st_size < 8e6
     assert 'CC0' in body.provenance
     assert 'CC0 1.0 Universal' in resource('bodies', 'LICENSE.md').read_text(encoding='utf-8')
 
 
-def test_a_body_file_is_read_as_it_was_written(body, tmp_path):
+def test_body_file_round_trip(body, tmp_path):
     save_body(tmp_path / 'body.npz', body)
     again = load_body(tmp_path / 'body.npz')
     for name, array in body._asdict().items():
         np.testing.assert_array_equal(getattr(again, name), array)
 
 
-def test_what_is_no_body_file_is_refused_in_one_sentence(body, tmp_path):
+def test_invalid_body_file_is_refused(body, tmp_path):
     with pytest.raises(InputError, match='there is no body file'):
         load_body(tmp_path / 'none.npz')
     (tmp_path / 'text.npz').write_text('hello')
@@ -105,7 +105,7 @@ def test_what_is_no_body_file_is_refused_in_one_sentence(body, tmp_path):
             load_body(tmp_path / f'{number}.npz')
 
 
-def test_the_skin_is_closed_and_faces_outwards(body, people):
+def test_skin_is_closed_and_faces_outwards(body, people):
     edges = np.concatenate([body.triangles[:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))])
     forth = {tuple(edge) for edge in edges.tolist()}
     assert len(forth) == len(edges)
@@ -118,7 +118,7 @@ def test_the_skin_is_closed_and_faces_outwards(body, people):
         assert 10 < litres < 160
 
 
-def test_people_are_as_tall_as_they_should_be(body, people):
+def test_people_have_the_given_stature(body, people):
     wanted = [metres for _, metres in PEOPLE]
     np.testing.assert_allclose([stature(rest) for rest in people], wanted, atol=0.001)
     assert 1.55 < stature(shape_body(body, BodyShape(30, 0))) < 1.68
@@ -129,7 +129,7 @@ def test_people_are_as_tall_as_they_should_be(body, people):
         with_stature(body, BodyShape(10, 0), 2.5)
 
 
-def test_weight_muscle_and_sex_change_the_girth(body):
+def test_weight_muscle_and_sex_change_the_volume(body):
     def volume(**values):
         rest = shape_body(body, BodyShape(**values))
         a, b, c = (rest.vertices[body.triangles[:, corner]] for corner in range(3))
@@ -153,12 +153,12 @@ def test_weight_muscle_and_sex_change_the_girth(body):
         (BodyShape(measures={'belly': 2.0}), 'belly is 2; give -1 to 1'),
     ],
 )
-def test_a_figure_out_of_range_is_refused(body, body_shape, complaint):
+def test_body_shape_out_of_range_is_refused(body, body_shape, complaint):
     with pytest.raises(InputError, match=complaint):
         shape_body(body, body_shape)
 
 
-def test_a_measure_changes_what_it_names(body):
+def test_measure_changes_the_length_that_it_names(body):
     def length(body_shape, first, second):
         joints = shape_body(body, body_shape).joints
         return np.linalg.norm(joints[JOINT_NUMBERS[first]] - joints[JOINT_NUMBERS[second]])
@@ -177,7 +177,7 @@ def test_a_measure_changes_what_it_names(body):
         assert less + 0.008 < same < more - 0.008
 
 
-def test_left_is_left_and_the_person_faces_forward(people):
+def test_left_side_is_at_positive_x_and_the_person_faces_forward(people):
     for rest in people:
         joints = dict(zip(JOINT_NAMES, rest.joints, strict=True))
         for name in ('shoulder', 'elbow', 'wrist', 'hand', 'hip', 'knee', 'ankle', 'foot'):
@@ -194,7 +194,7 @@ def test_left_is_left_and_the_person_faces_forward(people):
         )
 
 
-def test_joints_lie_inside_the_body(body, people):
+def test_joints_are_inside_the_body(body, people):
     for rest in people:
         inside = winding_number(rest.joints, rest.vertices, body.triangles)
         assert inside.min() > 0.9, JOINT_NAMES[int(inside.argmin())]
@@ -203,14 +203,14 @@ def test_joints_lie_inside_the_body(body, people):
         assert abs(outside[0]) < 0.01
 
 
-def test_joints_lie_well_below_the_skin(people):
+def test_joints_have_a_minimum_depth_below_the_skin(people):
     for rest in people:
         for name, joint in zip(JOINT_NAMES, rest.joints, strict=True):
             depth = np.linalg.norm(rest.vertices - joint, axis=1).min() / stature(rest)
             assert depth > (0.004 if name[2:] in ('hand', 'foot', 'wrist') else 0.012), name
 
 
-def test_joints_stay_inside_in_a_pose(body, people):
+def test_joints_of_a_posed_body_are_inside_it(body, people):
     random = np.random.default_rng(7)
     for rest in people[:3]:
         posed = pose_body(body, rest, random_pose(body, random, 25), np.array([0.2, 1.0, 3.0]))
@@ -218,7 +218,7 @@ def test_joints_stay_inside_in_a_pose(body, people):
         assert inside.min() > 0.9, JOINT_NAMES[int(inside.argmin())]
 
 
-def test_joints_ride_on_bones(body):
+def test_joints_are_carried_by_the_right_bones(body):
     bones = [str(body.bones[number]) for number in body.joint_bones]
     assert bones[JOINT_NUMBERS['l_knee']] == 'lowerleg01.L'
     assert bones[JOINT_NUMBERS['r_hand']] == 'wrist.R'
@@ -235,7 +235,7 @@ def test_joints_ride_on_bones(body):
         assert [bone for bone in chain if bone in ancestors] == list(ancestors)
 
 
-def test_mixing_is_the_sum_of_the_equation():
+def test_mixed_components_agree_with_the_equation():
     random = np.random.default_rng(1)
     mean = random.normal(size=(50, 3)).astype(np.float32)
     table = random.integers(-32768, 32767, size=(7, 50, 3)).astype(np.int16)
@@ -246,7 +246,7 @@ def test_mixing_is_the_sum_of_the_equation():
     np.testing.assert_array_equal(mix_components(mean, table[:0], weights[:0]), mean)
 
 
-def test_bones_turn_as_the_product_of_matrices_says(body, people):
+def test_forward_kinematics_agrees_with_the_product_of_transforms(body, people):
     random = np.random.default_rng(2)
     rotations = random_pose(body, random, 180)
     heads = people[0].heads
@@ -264,7 +264,7 @@ def test_bones_turn_as_the_product_of_matrices_says(body, people):
     np.testing.assert_allclose(relative_rotations(body, orientations), rotations, atol=1e-12)
 
 
-def test_skinning_is_the_blend_of_the_equation():
+def test_skinning_agrees_with_the_equation():
     random = np.random.default_rng(3)
     rest = random.normal(size=(200, 3))
     bones = random.integers(0, 5, size=(200, 4)).astype(np.uint8)
@@ -282,7 +282,7 @@ def test_skinning_is_the_blend_of_the_equation():
     ).shape == (0, 3)
 
 
-def test_an_unturned_body_only_moves(body, people):
+def test_body_without_rotations_is_only_translated(body, people):
     position = np.array([1.0, 2.0, 3.0])
     rest = people[0]
     posed = pose_body(body, rest, named_rotations(body, {}), position)
@@ -292,14 +292,14 @@ def test_an_unturned_body_only_moves(body, people):
     np.testing.assert_allclose(posed.joints[JOINT_NUMBERS['pelvis']], position, atol=2e-4)
 
 
-def test_the_root_turns_the_whole_person(body, people):
+def test_rotation_of_the_root_rotates_the_whole_person(body, people):
     rest, turn = people[1], about([1, 2, 3], 70)
     posed = pose_body(body, rest, named_rotations(body, {'root': turn}), np.zeros(3))
     expected = (rest.vertices - rest.heads[0]) @ turn.T
     np.testing.assert_allclose(posed.vertices, expected, atol=1e-9)
 
 
-def test_a_bone_that_turns_takes_along_what_hangs_on_it(body, people):
+def test_rotation_of_a_bone_moves_its_descendants(body, people):
     rest = people[2]
     still = pose_body(body, rest, named_rotations(body, {}), np.zeros(3))
     turn = about([0, 1, 0], -90)
@@ -313,12 +313,12 @@ def test_a_bone_that_turns_takes_along_what_hangs_on_it(body, people):
     np.testing.assert_allclose(bent.joints[others], still.joints[others], atol=1e-9)
 
 
-def test_an_unknown_bone_is_refused(body):
+def test_unknown_bone_is_refused(body):
     with pytest.raises(InputError, match='unknown bone tail; known bones are root, spine05'):
         named_rotations(body, {'tail': np.eye(3)})
 
 
-def test_straightened_limbs_hang_straight_and_bend_the_right_way(body, people):
+def test_limbs_of_the_standing_pose_hang_straight(body, people):
     for rest in people:
         orientations = standing_orientations(body, rest)
         np.testing.assert_allclose(
@@ -345,7 +345,7 @@ def test_straightened_limbs_hang_straight_and_bend_the_right_way(body, people):
             assert abs(heads['toes'][0] - heads['foot'][0]) < 0.02
 
 
-def test_a_straightened_arm_bends_forwards_at_the_elbow(body, people):
+def test_elbow_of_the_standing_pose_bends_forwards(body, people):
     rest, orientations = people[2], standing_orientations(body, people[2])
     flexed = orientations.copy()
     for number, name in enumerate(map(str, body.bones)):

@@ -68,7 +68,7 @@ def direction(joints, start, end):
     return way / np.linalg.norm(way)
 
 
-def test_no_angle_is_the_straight_body(body, rest):
+def test_zero_angles_give_the_standing_pose(body, rest):
     rotations = pose_rotations(rig_of(body, rest), np.zeros((1, len(ANGLES))))[0]
     expected = relative_rotations(body, standing_orientations(body, rest))
     shoulders = [
@@ -102,7 +102,7 @@ def test_no_angle_is_the_straight_body(body, rest):
          (-0.5, -0.8660, 0)),
     ],
 )  # fmt: skip
-def test_each_angle_turns_its_limb(body, rest, angles, start, end, expected):
+def test_each_angle_rotates_its_limb(body, rest, angles, start, end, expected):
     joints = joints_of(body, rest, **angles)
     np.testing.assert_allclose(direction(joints, start, end), expected, atol=0.15)
 
@@ -116,13 +116,15 @@ def test_each_angle_turns_its_limb(body, rest, angles, start, end, expected):
         ('l_ankle', 'l_foot', 1, -1), ('r_pronation', 'r_wrist', 0, 0),
     ],
 )  # fmt: skip
-def test_trunk_head_and_shoulders_go_where_they_should(body, rest, name, joint, axis, sign):
+def test_trunk_angles_move_head_and_shoulders_in_the_right_direction(
+    body, rest, name, joint, axis, sign
+):
     before, after = joints_of(body, rest), joints_of(body, rest, **{name: 15})
     moved = (after[joint] - before[joint])[axis]
     assert abs(moved) < 1e-3 if sign == 0 else sign * moved > 0.005
 
 
-def test_the_shoulder_rises_with_the_arm(body, rest):
+def test_shoulder_rises_with_the_arm(body, rest):
     height = [joints_of(body, rest, l_elevation=up)['l_shoulder'][1] for up in (0, 30, 90, 170)]
     assert height[0] == pytest.approx(height[1], abs=1e-6)
     reach = np.linalg.norm(rest.joints[JOINT_NUMBERS['l_shoulder']] - rest.joints[1])
@@ -145,7 +147,7 @@ def test_fingers_close_towards_the_palm(body, rest):
     assert moved[1] > 0.4 * length
 
 
-def test_turns_are_rotations_and_heads_as_pose_body_has_them(body, rest):
+def test_orientations_and_heads_agree_with_pose_body(body, rest):
     rig = rig_of(body, rest)
     for angles in random_poses(20):
         orientations = bone_orientations(angles, rig.straight, rig.parts)
@@ -160,7 +162,7 @@ def test_turns_are_rotations_and_heads_as_pose_body_has_them(body, rest):
         np.testing.assert_allclose(posed.heads, heads, atol=1e-9)
 
 
-def test_the_mirror_image_of_a_pose_is_the_mirror_image(body, rest):
+def test_mirrored_angles_give_the_mirror_image(body, rest):
     rig = rig_of(body, rest)
     sides = {'l_': 'r_', 'r_': 'l_'}
     swapped = [JOINT_NUMBERS[sides.get(name[:2], name[:2]) + name[2:]] for name in JOINT_NAMES]
@@ -173,7 +175,7 @@ def test_the_mirror_image_of_a_pose_is_the_mirror_image(body, rest):
         np.testing.assert_array_equal(mirrored(mirrored(angles)), angles)
 
 
-def test_swings_are_another_way_to_tell_the_same_pose():
+def test_cartesian_and_polar_arm_angles_are_equivalent():
     for angles in random_poses(20):
         np.testing.assert_allclose(arms_to_polar(arms_to_cartesian(angles)), angles, atol=1e-12)
     up = pose_of(l_plane=60, l_elevation=40)
@@ -181,7 +183,7 @@ def test_swings_are_another_way_to_tell_the_same_pose():
     np.testing.assert_allclose(np.degrees(swing), [20, 40 * np.sqrt(0.75)])
 
 
-def test_how_far_an_arm_rises_depends_on_the_plane():
+def test_limit_of_the_elevation_depends_on_the_plane():
     anywhere = np.linspace(-90, 125, 60)
     poses = np.array([pose_of(r_plane=plane, r_elevation=500, l_elbow=-20) for plane in anywhere])
     kept = within_limits(poses)

@@ -68,7 +68,7 @@ def deepest(body, rest, rotations):
 
 
 @pytest.mark.parametrize(('degrees', 'elbow'), [(-12, 0), (-20, 0), (-12, 60)])
-def test_arms_leave_the_body(body, stout, degrees, elbow):
+def test_arms_are_moved_out_of_the_body(body, stout, degrees, elbow):
     rotations = pose(body, stout, degrees, elbow)[None]
     assert deepest(body, stout, rotations[0]) > MAX_PENETRATION + 0.02
     assert (
@@ -77,7 +77,7 @@ def test_arms_leave_the_body(body, stout, degrees, elbow):
     )
 
 
-def test_poses_that_are_clear_stay_as_they_are(body, stout):
+def test_poses_without_collision_stay_unchanged(body, stout):
     rotations = pose(body, stout, 40)[None].repeat(3, axis=0)
     kept = rotations.copy()
     np.testing.assert_array_equal(resolve_collisions(body, stout, rotations), kept)
@@ -86,7 +86,7 @@ def test_poses_that_are_clear_stay_as_they_are(body, stout):
     )
 
 
-def test_only_the_limb_that_is_in_the_way_moves_and_the_input_does_not(body, stout):
+def test_only_the_colliding_limb_moves_and_the_input_stays_unchanged(body, stout):
     rotations = pose(body, stout, -20)[None]
     kept = rotations.copy()
     resolved = resolve_collisions(body, stout, rotations)
@@ -95,7 +95,7 @@ def test_only_the_limb_that_is_in_the_way_moves_and_the_input_does_not(body, sto
     assert moved == {'upperarm01.L', 'upperarm01.R'}
 
 
-def test_limbs_give_way_smoothly(body, stout):
+def test_corrections_are_smooth_over_time(body, stout):
     degrees = [30] * 10 + [-15] * 10 + [30] * 10
     rotations = np.array([pose(body, stout, value) for value in degrees])
     bone = list(body.bones).index('upperarm01.L')
@@ -110,7 +110,7 @@ def test_limbs_give_way_smoothly(body, stout):
     assert abs(np.diff(smooth)).max() < 0.3 * abs(np.diff(sudden)).max()
 
 
-def test_nearest_points_against_sampling():
+def test_nearest_points_agree_with_sampling():
     random = np.random.default_rng(2)
     shares = np.linspace(0, 1, 401)[:, None]
     for number in range(60):
@@ -130,7 +130,7 @@ def test_nearest_points_against_sampling():
         assert gap == pytest.approx(least, abs=0.01)
 
 
-def test_rotation_about_against_scipy():
+def test_rotation_about_agrees_with_scipy():
     random = np.random.default_rng(4)
     for _ in range(20):
         axis = random.normal(size=3)

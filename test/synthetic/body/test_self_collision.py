@@ -55,13 +55,13 @@ def pose_of(**degrees):
         (False, {'l_hip_flexion': 118, 'bend': 60, 'l_knee': 40, 'lean': 20}),
     ],
 )  # fmt: skip
-def test_what_goes_through_the_body_is_seen(body, rest, clear, degrees):
+def test_self_collisions_are_detected(body, rest, clear, degrees):
     collision_body = fit_collision_body(body, rest)
     depth = deepest_penetration(collision_body, pose_of(**degrees)[None])[0]
     assert depth <= MAX_PENETRATION if clear else depth > MAX_PENETRATION
 
 
-def test_a_hand_in_the_head_is_seen(body, rest):
+def test_hand_inside_the_head_is_detected(body, rest):
     collision_body = fit_collision_body(body, rest)
     rig, angles = collision_body.rig, pose_of()
     at = rig.heads[rig.numbers['head']] - rig.heads[rig.numbers['spine01']]
@@ -70,7 +70,7 @@ def test_a_hand_in_the_head_is_seen(body, rest):
     assert deepest_penetration(collision_body, angles[None])[0] > MAX_PENETRATION
 
 
-def test_capsules_fill_most_of_the_body_and_little_else(body, rest):
+def test_capsules_approximate_the_skin(body, rest):
     """Every bone's skin is about as far from its capsule's axis as the radius."""
     rig, capsules = fit_collision_body(body, rest)
     posed = pose_body(body, rest, pose_rotations(rig, pose_of())[0], np.zeros(3))
@@ -97,7 +97,7 @@ def naive_distance(p, q, a, b):
     return length.min()
 
 
-def test_distance_of_segments_is_the_shortest_way_between_them():
+def test_segment_distance_agrees_with_a_search():
     random = np.random.default_rng(0)
     cases = [random.normal(size=(2, 2, 3)) for _ in range(40)]
     point, along = random.normal(size=3), np.array([1.0, 2.0, 3.0])
@@ -116,7 +116,7 @@ def test_distance_of_segments_is_the_shortest_way_between_them():
         )
 
 
-def test_mean_distances_of_the_skin_are_as_the_equation_says():
+def test_mean_distances_of_the_skin_agree_with_the_equation():
     random = np.random.default_rng(1)
     vertices = random.normal(size=(300, 3))
     bones = random.integers(0, 4, size=(300, 8)).astype(np.uint8)

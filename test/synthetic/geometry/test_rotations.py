@@ -35,7 +35,7 @@ MATRICES = ROTATIONS.as_matrix()
 DIRECTIONS = normalised(RANDOM.normal(size=(100, 3)))
 
 
-def test_quaternions_and_back():
+def test_quaternion_round_trip():
     theirs = ROTATIONS.as_quat()[:, [3, 0, 1, 2]]
     ours = to_quaternions(MATRICES)
     assert (ours[:, 0] >= 0).all()
@@ -43,7 +43,7 @@ def test_quaternions_and_back():
     np.testing.assert_allclose(from_quaternions(ours), MATRICES, atol=1e-12)
 
 
-def test_rotation_vectors_and_back():
+def test_rotation_vector_round_trip():
     vectors = rotation_vectors(MATRICES)
     np.testing.assert_allclose(Rotation.from_rotvec(vectors).as_matrix(), MATRICES, atol=1e-9)
     assert np.linalg.norm(vectors, axis=1).max() <= np.pi + 1e-9
@@ -51,7 +51,7 @@ def test_rotation_vectors_and_back():
 
 
 @pytest.mark.parametrize(('axis', 'name'), [(0, 'x'), (1, 'y'), (2, 'z')])
-def test_about_an_axis(axis, name):
+def test_rotation_about_an_axis(axis, name):
     angles = np.linspace(-4, 4, 9)
     np.testing.assert_allclose(
         axis_rotation(axis, angles),
@@ -65,7 +65,7 @@ def test_half_turns():
     np.testing.assert_allclose(half_turns(DIRECTIONS), expected, atol=1e-12)
 
 
-def test_the_smallest_rotation_from_one_direction_to_another():
+def test_shortest_rotation_between_directions():
     ends = np.concatenate([DIRECTIONS[1:], DIRECTIONS[:1]])
     ends[:10] = -DIRECTIONS[:10]
     ends[10:20] = DIRECTIONS[10:20]
@@ -79,7 +79,7 @@ def test_the_smallest_rotation_from_one_direction_to_another():
     np.testing.assert_allclose(Rotation.from_matrix(found).magnitude(), angles, atol=1e-6)
 
 
-def test_frames_point_along_and_look_ahead():
+def test_limb_frames_point_along_and_face_ahead():
     along, ahead = DIRECTIONS[:50], DIRECTIONS[50:]
     frames = limb_frames(along, ahead)
     np.testing.assert_allclose(frames @ [0, -1, 0], along, atol=1e-12)
@@ -89,7 +89,7 @@ def test_frames_point_along_and_look_ahead():
 
 
 @pytest.mark.parametrize('fraction', [0.0, 0.3, 1.0])
-def test_ways_between_rotations(fraction):
+def test_interpolated_rotations(fraction):
     for first, last in pairwise(MATRICES):
         pair = Rotation.from_matrix([first, last])
         if (pair[0].inv() * pair[1]).magnitude() > np.pi - 1e-3:
@@ -100,7 +100,7 @@ def test_ways_between_rotations(fraction):
         )
 
 
-def test_a_continuous_way_has_no_leap_and_is_the_same_rotations():
+def test_continuous_signs_remove_jumps_and_keep_the_rotations():
     angles = np.linspace(0, 15, 60)
     quaternions = to_quaternions(axis_rotation(1, angles))
     assert np.abs(np.diff(quaternions, axis=0)).max() > 0.5
@@ -109,7 +109,7 @@ def test_a_continuous_way_has_no_leap_and_is_the_same_rotations():
     np.testing.assert_allclose(from_quaternions(smooth), axis_rotation(1, angles), atol=1e-12)
 
 
-def test_an_arc_goes_the_way_that_the_signs_tell():
+def test_signed_slerp_follows_the_given_signs():
     start, end = to_quaternions(axis_rotation(1, np.array([0.0, 1.0])))
     short, long = signed_slerp(start, end, 0.5), signed_slerp(start, -end, 0.5)
     np.testing.assert_allclose(

@@ -38,7 +38,7 @@ def write(tmp_path, text):
     return path
 
 
-def test_a_small_file_is_read(tmp_path):
+def test_small_file_is_read(tmp_path):
     bvh = load_bvh(write(tmp_path, SMALL))
     assert bvh.names == ('hip', 'knee', 'knee_end')
     assert bvh.parents == (-1, 0, 1)
@@ -48,7 +48,7 @@ def test_a_small_file_is_read(tmp_path):
     np.testing.assert_array_equal(bvh.values[1], [4, 5, 6, 90, 0, 0, 0])
 
 
-def test_joints_are_where_a_hand_calculation_has_them(tmp_path):
+def test_joint_positions_agree_with_a_manual_calculation(tmp_path):
     placed = joint_poses(load_bvh(write(tmp_path, SMALL)))
     # Frame 1: the knee turns by 90 degrees about x, which takes -y to -z, z to -y.
     expected = [[1, 2, 3], [1, 0, 3], [1, -0.5, 2]]
@@ -59,7 +59,7 @@ def test_joints_are_where_a_hand_calculation_has_them(tmp_path):
 
 
 @pytest.mark.parametrize('order', ['ZXY', 'XYZ', 'YXZ', 'ZYX'])
-def test_rotations_are_those_of_scipy_in_any_order_of_channels(tmp_path, order):
+def test_rotations_agree_with_scipy_for_any_order_of_channels(tmp_path, order):
     random = np.random.default_rng(3)
     frames = [
         {name: Rotation.random(random_state=int(random.integers(1000))) for name in NAMES}
@@ -79,7 +79,7 @@ def test_rotations_are_those_of_scipy_in_any_order_of_channels(tmp_path, order):
             np.testing.assert_allclose(placed.positions[number, joint], places[name], atol=1e-5)
 
 
-def test_windows_line_ends_tabs_and_old_code_pages_are_read(tmp_path):
+def test_windows_line_ends_tabs_and_8_bit_code_pages_are_read(tmp_path):
     text = SMALL.replace('\n', '\r\n').replace('  ', '\t').replace('knee', 'knie\xe9')
     assert load_bvh(write(tmp_path, text)).names[1] == 'knie\xe9'
 
@@ -105,18 +105,18 @@ def test_windows_line_ends_tabs_and_old_code_pages_are_read(tmp_path):
         ('4 5 6 90 0 0 0', '4 5 6 90 0 0 x', 21, 'could not convert'),
     ],
 )
-def test_damage_is_named_with_its_line(tmp_path, old, new, line, says):
+def test_damage_is_reported_with_its_line(tmp_path, old, new, line, says):
     path = write(tmp_path, SMALL.replace(old, new, 1))
     with pytest.raises(InputError, match=rf'clip.bvh, line {line}: .*{says}'):
         load_bvh(path)
 
 
 @pytest.mark.parametrize('lines', [0, 5, 10, 15, 16, 17, 18, 20])
-def test_a_truncated_file_is_refused(tmp_path, lines):
+def test_truncated_file_is_refused(tmp_path, lines):
     with pytest.raises(InputError, match=r'clip.bvh, line'):
         load_bvh(write(tmp_path, '\n'.join(SMALL.splitlines()[:lines])))
 
 
-def test_a_missing_file_is_named(tmp_path):
+def test_missing_file_is_reported(tmp_path):
     with pytest.raises(InputError, match=r'nothing\.bvh'):
         load_bvh(tmp_path / 'nothing.bvh')

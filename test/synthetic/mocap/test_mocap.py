@@ -115,7 +115,9 @@ def posed_joints(body, rest, clip):
 
 @pytest.mark.parametrize(('up', 'forward'), AXES)
 @pytest.mark.parametrize('order', ['ZXY', 'YXZ'])
-def test_limbs_point_where_those_of_the_file_do(tmp_path, clip_of, body, rest, up, forward, order):
+def test_directions_of_limbs_agree_with_the_file(
+    tmp_path, clip_of, body, rest, up, forward, order
+):
     random = np.random.default_rng(8)
     # A frame a second: that is no leap.
     poses = [possible_pose(random) for _ in range(60)]
@@ -130,7 +132,7 @@ def test_limbs_point_where_those_of_the_file_do(tmp_path, clip_of, body, rest, u
             assert angle(ours[1] - ours[0], theirs[1] - theirs[0]).max() < 2
 
 
-def test_left_is_left_and_up_is_up(clip_of, body, rest):
+def test_left_and_up_agree_with_the_axes_of_the_mapping(clip_of, body, rest):
     pose = stand() | {'Leftarm': turn([0, 0, 1], 80)}
     joints = posed_joints(body, rest, clip_of([pose], 'z', '-y'))[0]
     assert joints[JOINT_NUMBERS['l_hand'], 1] > joints[JOINT_NUMBERS['head'], 1] + 0.2
@@ -139,7 +141,7 @@ def test_left_is_left_and_up_is_up(clip_of, body, rest):
     assert joints[JOINT_NUMBERS['l_foot'], 2] > joints[JOINT_NUMBERS['l_ankle'], 2] + 0.03
 
 
-def test_trunk_and_head_turn_as_captured(clip_of, body, rest):
+def test_trunk_and_head_rotate_as_captured(clip_of, body, rest):
     bow = stand() | {'Spine': turn([1, 0, 0], 40), 'Head': turn([0, 1, 0], 50)}
     clip = clip_of([bow])
     orientations = from_quaternions(clip.orientations[0].astype(float))
@@ -151,14 +153,14 @@ def test_trunk_and_head_turn_as_captured(clip_of, body, rest):
     assert joints[JOINT_NUMBERS['head'], 2] > 0.2
 
 
-def test_a_palm_that_faces_the_thigh_stays_so(clip_of):
+def test_palm_at_the_thigh_is_kept(clip_of):
     clip = clip_of([stand()])
     hand = from_quaternions(clip.orientations[0].astype(float))[SEGMENTS.index('l_hand')]
     # Straight but for the 10 degrees by which the arm does not hang.
     np.testing.assert_allclose(hand, turn([0, 0, 1], 10).as_matrix(), atol=1e-5)
 
 
-def test_heading_is_where_the_person_turns_to_and_no_part_of_the_turns(clip_of):
+def test_heading_is_separate_from_the_orientations(clip_of):
     degrees = np.arange(0, 400, 10)
     clip = clip_of([stand() | {'Hips': turn([0, 1, 0], value)} for value in degrees], 'z', 'x')
     np.testing.assert_allclose(np.degrees(clip.heading), degrees, atol=0.01)
@@ -167,7 +169,7 @@ def test_heading_is_where_the_person_turns_to_and_no_part_of_the_turns(clip_of):
     )
 
 
-def test_a_limb_that_is_turned_about_itself_by_mistake_is_the_same_limb(clip_of):
+def test_wrong_axial_rotation_does_not_change_the_limb(clip_of):
     def bent(flip):
         # Half a turn about the upper arm, and back below: the joints stay where they are.
         elbow = turn([1, 0, 0], -flip) * turn([0, -1, 0], 60)
@@ -182,9 +184,7 @@ def test_a_limb_that_is_turned_about_itself_by_mistake_is_the_same_limb(clip_of)
 
 
 @pytest.mark.parametrize('bent', ['', ', bent: 0'])
-def test_a_clip_whose_elbow_bends_backwards_is_turned_round(
-    clip_of, body, rest, monkeypatch, bent
-):
+def test_clip_with_reversed_elbow_is_flipped(clip_of, body, rest, monkeypatch, bent):
     # With `bent`, in a figure whose forearms come forward by 20 degrees in the neutral pose.
     crooked = 20 if bent else 0
     monkeypatch.setattr('stick_figure.CROOKED', np.radians(crooked))
@@ -198,7 +198,7 @@ def test_a_clip_whose_elbow_bends_backwards_is_turned_round(
         np.testing.assert_allclose(found[:, number], expected[:, number], atol=0.01)
 
 
-def test_a_constant_error_of_the_turn_about_itself_is_taken_off_straight_arms(clip_of):
+def test_constant_error_of_the_axial_rotation_is_removed_from_straight_arms(clip_of):
     def arm(error, elbow):
         # The error is undone at the elbow, so that joints are where they were.
         return stand() | {
@@ -216,7 +216,7 @@ def test_a_constant_error_of_the_turn_about_itself_is_taken_off_straight_arms(cl
     np.testing.assert_allclose(straight[1][number], straight[0][number], atol=1e-3)
 
 
-def test_bones_share_the_turns_of_segments(clip_of, body, rest):
+def test_bones_share_the_rotation_of_segments(clip_of, body, rest):
     random = np.random.default_rng(5)
     clip = clip_of([possible_pose(random) for _ in range(10)], frame_time=1.0)
     segments = from_quaternions(clip.orientations.astype(float))
@@ -243,7 +243,7 @@ def test_bones_share_the_turns_of_segments(clip_of, body, rest):
     assert away[0].max() < 0.6 * away[-1].max()
 
 
-def test_a_shoulder_rises_with_its_arm_by_a_third_from_30_degrees(body, rest):
+def test_shoulder_rises_by_a_third_of_the_elevation_beyond_30_degrees(body, rest):
     segments = np.tile(np.eye(3), (3, len(SEGMENTS), 1, 1))
     for number, degrees in enumerate((20, 90, 150)):
         raised = turn([0, 0, 1], degrees).as_matrix()
@@ -260,7 +260,7 @@ def test_a_shoulder_rises_with_its_arm_by_a_third_from_30_degrees(body, rest):
     np.testing.assert_allclose(other, np.tile(np.eye(3), (3, 1, 1)), atol=1e-9)
 
 
-def test_single_frames_that_nobody_can_do_are_not_sound(clip_of):
+def test_impossible_frames_are_not_valid(clip_of):
     frames = [stand() for _ in range(30)]
     frames[10] = stand() | {'Leftknee': turn([1, 0, 0], -80)}
     valid = clip_of(frames).valid
@@ -268,13 +268,13 @@ def test_single_frames_that_nobody_can_do_are_not_sound(clip_of):
     np.testing.assert_array_equal(np.flatnonzero(~valid), [9, 10, 11])
 
 
-def test_a_file_that_nobody_can_do_is_refused(clip_of):
+def test_file_without_valid_frames_is_refused(clip_of):
     with pytest.raises(InputError, match=r'clip.bvh: with the mapping .*map.yaml no frame'):
         clip_of([stand() | {'Leftknee': turn([1, 0, 0], -80)}])
 
 
 @pytest.mark.parametrize(('bent', 'degrees'), [('', 20), (', bent: 0', 0), (', bent: 10', 10)])
-def test_bent_takes_off_what_the_file_bends_too_much(clip_of, monkeypatch, bent, degrees):
+def test_bent_removes_the_excess_flexion_of_the_file(clip_of, monkeypatch, bent, degrees):
     monkeypatch.setattr('stick_figure.CROOKED', np.radians(20))
     monkeypatch.setattr('stick_figure.BENT', bent)
     orientations = from_quaternions(clip_of([stand()]).orientations[0].astype(float))
@@ -282,7 +282,7 @@ def test_bent_takes_off_what_the_file_bends_too_much(clip_of, monkeypatch, bent,
     assert angle(upper[:, 1], lower[:, 1]) == pytest.approx(degrees, abs=0.01)
 
 
-def test_a_neutral_frame_stands_for_one_without_rotations(clip_of):
+def test_neutral_frame_replaces_the_pose_without_rotations(clip_of):
     # The same figure, but its rotations are 0 with the person on the back.
     up = turn([1, 0, 0], 90)
     pose = stand() | {'Spine': turn([1, 0, 0], 20)}
@@ -297,7 +297,7 @@ def test_a_neutral_frame_stands_for_one_without_rotations(clip_of):
         )
 
 
-def test_fast_files_are_thinned_to_no_less_than_thirty_frames_a_second(clip_of):
+def test_files_with_high_rates_are_subsampled_to_at_least_30_hz(clip_of):
     assert clip_of([stand()] * 12, frame_time=1 / 120).rate == pytest.approx(30, rel=1e-3)
     assert len(clip_of([stand()] * 12, frame_time=1 / 120).orientations) == 3
     assert clip_of([stand()] * 12, frame_time=1 / 50).rate == pytest.approx(50, rel=1e-3)
@@ -325,7 +325,7 @@ def test_fast_files_are_thinned_to_no_less_than_thirty_frames_a_second(clip_of):
         ('segments:', 'segments: {', 'not valid YAML'),
     ],
 )
-def test_a_wrong_mapping_is_refused(tmp_path, old, new, says):
+def test_invalid_mapping_is_refused(tmp_path, old, new, says):
     text = mapping_text()
     assert old in text
     path = tmp_path / 'map.yaml'
@@ -334,7 +334,7 @@ def test_a_wrong_mapping_is_refused(tmp_path, old, new, says):
         load_mapping(path)
 
 
-def test_joints_and_frames_that_a_file_lacks_are_named(clip_of):
+def test_missing_joints_and_frames_are_reported(clip_of):
     with pytest.raises(InputError, match=r'2 frames; the mapping .* needs 6'):
         clip_of([stand()] * 2, extra='skip: 5\n')
     with pytest.raises(InputError, match='no joint Nose, which the mapping'):
@@ -361,7 +361,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_clips_are_chosen_by_name(folder):
+def test_clips_are_selected_by_name(folder):
     mocap = load_mocap(folder, folder / 'map.yaml')
     assert mocap.clips == ('a/left', 'a/right', 'still', 'turning')
     assert mocap.only(['a/*', 'still']).clips == ('a/left', 'a/right', 'still')
@@ -372,7 +372,7 @@ def test_clips_are_chosen_by_name(folder):
         mocap.without(['*'])
 
 
-def test_a_folder_without_clips_is_refused(tmp_path):
+def test_folder_without_clips_is_refused(tmp_path):
     with pytest.raises(InputError, match='no BVH file'):
         load_mocap(tmp_path)
     with pytest.raises(InputError, match='no BVH file'):
@@ -388,7 +388,7 @@ def test_clips_are_read_only_when_needed(folder, body, rest):
 
 
 @pytest.mark.parametrize('rate', [None, 24.0])
-def test_the_same_seed_draws_the_same_and_another_does_not(folder, body, rest, rate):
+def test_motion_depends_only_on_the_seed(folder, body, rest, rate):
     def sample(seed):
         mocap = load_mocap(folder, folder / 'map.yaml').only(['a/*'])
         return mocap.sample(body, rest, 12, rate, 1.0, np.random.default_rng(seed))
@@ -407,7 +407,7 @@ def test_standing_still_does_not_dominate(folder, body, rest):
     assert still.mean() < 0.2  # 300 of 440 frames, and in 90 the person only turns
 
 
-def test_a_stretch_is_smooth_and_keeps_the_speed_of_the_clip(folder, body, rest):
+def test_section_keeps_the_speed_of_the_clip(folder, body, rest):
     mocap = load_mocap(folder, folder / 'map.yaml').only(['a/left'])
     motion = mocap.sample(body, rest, 30, 60.0, np.pi, np.random.default_rng(6))
     bone = list(body.bones).index('upperarm02.L')
@@ -420,7 +420,7 @@ def test_a_stretch_is_smooth_and_keeps_the_speed_of_the_clip(folder, body, rest)
     np.testing.assert_allclose(np.degrees(speeds), 3, atol=0.2)  # 6 degrees at 30 frames a second
 
 
-def test_a_motion_longer_than_its_clips_goes_on_without_a_leap(folder, body, rest):
+def test_motion_longer_than_its_clips_has_no_jumps(folder, body, rest):
     mocap = load_mocap(folder, folder / 'map.yaml').only(['a/*'])
     motion = mocap.sample(body, rest, 300, 30.0, 1.0, np.random.default_rng(7))
     joints = np.array(
@@ -431,7 +431,7 @@ def test_a_motion_longer_than_its_clips_goes_on_without_a_leap(folder, body, res
     assert abs(np.diff(motion.yaw)).max() < 0.05
 
 
-def test_resampling_at_the_frames_gives_the_frames(clip_of):
+def test_resampling_at_the_frames_returns_the_frames(clip_of):
     random = np.random.default_rng(9)
     clip = clip_of([possible_pose(random) for _ in range(5)], frame_time=1.0)
     section = resample(clip, np.arange(5) / clip.rate)
@@ -441,7 +441,7 @@ def test_resampling_at_the_frames_gives_the_frames(clip_of):
 
 
 @pytest.mark.parametrize('widest', [0.3, 1.0, np.pi])
-def test_nobody_faces_further_aside_than_is_allowed(widest):
+def test_yaw_stays_within_the_limit(widest):
     random = np.random.default_rng(3)
     for heading in (np.zeros(5), np.linspace(2, 2.4, 9), np.linspace(-8, 5, 40)):
         yaws = np.array([within_yaw(heading, widest, random) for _ in range(50)])
@@ -453,7 +453,7 @@ def test_nobody_faces_further_aside_than_is_allowed(widest):
             assert np.ptp(yaws[:, 0]) > 0.5 * (2 * widest - np.ptp(heading))
 
 
-def test_distinct_poses_are_apart_and_near_all_others():
+def test_distinct_poses_cover_all_poses():
     random = np.random.default_rng(11)
     walk = np.cumsum(random.normal(0, 0.01, (200, 4, 3)), axis=0)
     frames = np.arange(20, 200)
@@ -465,7 +465,7 @@ def test_distinct_poses_are_apart_and_near_all_others():
     assert difference[frames].min(axis=1).max() < 0.05
 
 
-def test_the_outline_stands_as_people_do():
+def test_reference_joints_of_the_standing_pose():
     joints = reference_joints(np.broadcast_to(np.eye(3), (1, len(SEGMENTS), 3, 3)))[0]
     assert joints[:, 1].max() == pytest.approx(0.71)  # head above, sole below the hips
     assert joints[:, 1].min() == pytest.approx(-0.895)
@@ -503,7 +503,7 @@ def hinge_bend(clip, upper, lower):
     return np.degrees(np.arctan2(along[:, 2], -along[:, 1]))
 
 
-def test_elbows_of_the_cmu_clips_bend_forwards_also_where_they_were_flipped(cmu_clips):
+def test_elbows_of_the_cmu_clips_bend_forwards(cmu_clips):
     for clip in cmu_clips.values():
         assert clip.valid.mean() > 0.4
         for side in ('l', 'r'):
@@ -514,7 +514,7 @@ def test_elbows_of_the_cmu_clips_bend_forwards_also_where_they_were_flipped(cmu_
             assert (hinge_bend(clip, f'{side}_thigh', f'{side}_shank') < 5).all()
 
 
-def test_people_of_the_cmu_clips_walk_with_legs_and_arms_as_straight_as_people_do(cmu_clips):
+def test_walking_people_of_the_cmu_clips_straighten_legs_and_arms(cmu_clips):
     walk = cmu_clips['07_01']
     for side in ('l', 'r'):
         knee = -hinge_bend(walk, f'{side}_thigh', f'{side}_shank')
@@ -524,7 +524,7 @@ def test_people_of_the_cmu_clips_walk_with_legs_and_arms_as_straight_as_people_d
         assert 0 <= elbow.min() < 20
 
 
-def test_thighs_of_the_cmu_clips_point_where_the_files_have_them(cmu_clips, shared, body, rest):
+def test_directions_of_limbs_agree_with_the_cmu_files(cmu_clips, shared, body, rest):
     for name, clip in cmu_clips.items():
         joints = posed_joints(body, rest, clip)
         bvh = load_bvh(shared / 'mocap_cmu' / f'{name}.bvh')
@@ -540,7 +540,7 @@ def test_thighs_of_the_cmu_clips_point_where_the_files_have_them(cmu_clips, shar
 
 
 @pytest.mark.parametrize('rate', [None, 30.0])
-def test_cmu_motion_is_drawn(cmu, body, rest, rate):
+def test_motion_is_sampled_from_the_cmu_clips(cmu, body, rest, rate):
     motion = cmu.sample(body, rest, 40, rate, 0.5, np.random.default_rng(1))
     assert np.isfinite(motion.rotations).all()
     assert abs(motion.yaw).max() <= 0.5

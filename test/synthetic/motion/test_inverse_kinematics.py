@@ -59,7 +59,7 @@ def chest_and_hand(rig, angles, side):
     return orientations[chest].T @ (hand - heads[chest])
 
 
-def test_the_hand_is_where_the_body_has_it(rig):
+def test_hand_position_agrees_with_the_body(rig):
     for arm in random_arms(30):
         angles = np.zeros(len(ANGLES))
         angles[ARMS[0]] = angles[ARMS[1]] = arm
@@ -71,7 +71,7 @@ def test_the_hand_is_where_the_body_has_it(rig):
         )
 
 
-def test_hands_reach_whatever_some_posture_reaches(rig):
+def test_hands_reach_the_positions_of_random_postures(rig):
     misses = []
     for arm in random_arms(200):
         position = hand_position(arm, rig.shoulder, rig.arm)
@@ -84,7 +84,7 @@ def test_hands_reach_whatever_some_posture_reaches(rig):
     assert np.mean(np.array(misses) < REACH_TOLERANCE) > 0.9
 
 
-def test_the_elbow_hangs_unless_it_is_to_be_raised(rig):
+def test_swivel_raises_the_elbow(rig):
     ahead = rig.shoulder[2] + [0.0, 0.0, 0.6 * rig.arm.sum()]
     heights = []
     for swivel in (0.0, 90.0):
@@ -96,14 +96,14 @@ def test_the_elbow_hangs_unless_it_is_to_be_raised(rig):
     assert heights[1][0] > heights[0][0] + 0.1 * rig.arm.sum()
 
 
-def test_an_arm_is_stretched_towards_what_is_too_far_away(rig):
+def test_arm_is_stretched_towards_a_position_out_of_reach(rig):
     position = rig.shoulder[2] + [0.0, 0.0, 3.0]
     reached, miss = solve_arm(rig, np.zeros(9), position, ELBOW_DOWN)
     assert miss == pytest.approx(3.0 - rig.arm.sum(), abs=0.05)
     assert reached[3] < np.radians(5)
 
 
-def test_palms_face_what_they_lie_on(rig):
+def test_pronation_turns_the_palm_towards_a_direction(rig):
     random = np.random.default_rng(3)
     number = ARMS[0].start + 4
     for arm in random_arms(40):
@@ -124,7 +124,7 @@ def test_palms_face_what_they_lie_on(rig):
         assert towards(pronation_towards(arm, wanted)) > best - 0.02
 
 
-def test_a_hand_lies_level_on_what_is_before_it(rig):
+def test_hand_lies_flat_on_a_surface(rig):
     arm = np.zeros(9)
     position = np.array([0.0, rig.shoulder[2, 1] - 0.5 * rig.arm[0], 0.7 * rig.arm[0]])
     arm, miss = solve_arm(rig, arm, position, np.radians(40))
@@ -140,7 +140,7 @@ def test_a_hand_lies_level_on_what_is_before_it(rig):
 
 
 @pytest.mark.parametrize('right', [False, True])
-def test_a_foot_is_put_down_where_it_should_and_level(rig, right):
+def test_foot_is_on_its_target_and_level(rig, right):
     random = np.random.default_rng(5)
     length = rig.leg[0] + rig.leg[1]
     side, sign = ('R', -1.0) if right else ('L', 1.0)

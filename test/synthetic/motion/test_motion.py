@@ -33,7 +33,7 @@ def joints_of(body, rest, motion):
 
 
 @pytest.mark.parametrize('rate', [None, RATE])
-def test_motion_is_made_of_rotations_and_keeps_the_yaw(body, rest, rate):
+def test_motion_consists_of_rotations_and_a_limited_yaw(body, rest, rate):
     for seed in range(3):
         motion = sample_motion(body, rest, 40, rate, 0.4, source(seed))
         assert motion.rotations.shape == (40, len(body.bones), 3, 3)
@@ -67,11 +67,11 @@ def test_motion_is_smooth(body, rest):
         assert np.degrees(np.abs(np.diff(motion.yaw))).max() < 3
 
 
-def test_a_single_frame_of_a_video_can_be_had(body, rest):
+def test_video_can_have_a_single_frame(body, rest):
     assert sample_motion(body, rest, 1, RATE, 0.0, source(0)).rotations.shape[0] == 1
 
 
-def test_poses_have_nothing_to_do_with_each_other(body, rest):
+def test_poses_without_a_rate_are_independent(body, rest):
     motion = sample_motion(body, rest, 60, None, np.pi, source(3))
     joints = joints_of(body, rest, motion)
     hands = joints[:, JOINT_NUMBERS['l_hand']]
@@ -79,7 +79,7 @@ def test_poses_have_nothing_to_do_with_each_other(body, rest):
     assert np.abs(np.diff(motion.yaw)).mean() > 1.2
 
 
-def test_hands_and_feet_get_everywhere_on_either_side_alike(body, rest):
+def test_hands_and_feet_reach_all_regions_on_both_sides(body, rest):
     """A training set needs variety; and nobody is left-handed on an average."""
     joints = joints_of(body, rest, sample_motion(body, rest, 800, None, 0.0, source(1)))
     at = {name: joints[:, number] for name, number in JOINT_NUMBERS.items()}
@@ -121,7 +121,7 @@ def naive_interpolate(time, key_times, keys):
     return keys[-1]
 
 
-def test_interpolation_is_the_interpolant_of_the_equation_and_never_overshoots():
+def test_interpolation_agrees_with_the_equation_and_never_overshoots():
     random = source(2)
     key_times = np.cumsum(random.random(9) + 0.1) - 0.1
     keys = random.standard_normal((9, 3))

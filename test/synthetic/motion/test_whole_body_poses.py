@@ -54,7 +54,7 @@ def heads_of(collision_body, angles):
     return {name: heads[number] for name, number in rig.numbers.items()}
 
 
-def draw_only(monkeypatch, *names):
+def sample_only(monkeypatch, *names):
     """Let nothing but the stances called `names` be drawn."""
     kept = tuple(
         each for each in lower_body_poses._LOWER_BODY_KINDS if each[1][1].__name__ in names
@@ -63,7 +63,7 @@ def draw_only(monkeypatch, *names):
     monkeypatch.setattr(lower_body_poses, '_LOWER_BODY_KINDS', kept)
 
 
-def test_poses_keep_limits_and_hardly_ever_go_through_the_body(collision_body):
+def test_poses_are_within_limits_and_rarely_collide(collision_body):
     random, depths = source(0), []
     for _ in range(200):
         angles = sample_pose(collision_body, RandomStream(random)).angles
@@ -73,9 +73,9 @@ def test_poses_keep_limits_and_hardly_ever_go_through_the_body(collision_body):
     assert np.mean(np.array(depths) <= MAX_PENETRATION) > 0.8
 
 
-def test_who_stands_stands_on_both_feet_and_does_not_fall(collision_body, monkeypatch):
+def test_standing_people_have_both_feet_down_and_are_balanced(collision_body, monkeypatch):
     names = ('_stand_at_ease', '_stand_apart', '_stand_in_stride', '_squat', '_stoop')
-    draw_only(monkeypatch, *names)
+    sample_only(monkeypatch, *names)
     random = source(1)
     length = collision_body.rig.leg[0] + collision_body.rig.leg[1]
     level, off, planted = [], [], []
@@ -96,8 +96,8 @@ def test_who_stands_stands_on_both_feet_and_does_not_fall(collision_body, monkey
     assert all(planted)
 
 
-def test_who_sits_has_bent_hips_and_feet_before_or_below(collision_body, monkeypatch):
-    draw_only(monkeypatch, '_sit')
+def test_sitting_people_have_bent_hips_and_feet_ahead_or_below(collision_body, monkeypatch):
+    sample_only(monkeypatch, '_sit')
     random = source(2)
     for _ in range(60):
         lower_body = sample_lower_body(collision_body.rig, RandomStream(random))
@@ -113,7 +113,7 @@ def test_who_sits_has_bent_hips_and_feet_before_or_below(collision_body, monkeyp
             assert thigh @ trunk > -0.75 * np.linalg.norm(thigh) * np.linalg.norm(trunk)
 
 
-def test_a_stride_is_left_right_and_goes_round():
+def test_stride_is_symmetric_and_periodic():
     size = (0.0, 1.0, 0.0)
     for running in (0.0, 1.0):
         start, half = (stride_angles(phase, running, 1.0) for phase in (0.0, 0.5))
@@ -135,7 +135,7 @@ def test_a_stride_is_left_right_and_goes_round():
 @pytest.mark.parametrize('side', [0, 1])
 @pytest.mark.parametrize('touch', [touch for _, touch in body_touch.TOUCH_TARGETS],
                          ids=lambda touch: f'{touch.part}{touch.which}')  # fmt: skip
-def test_hands_lie_on_the_body_but_not_in_it(collision_body, side, touch):
+def test_touching_hands_are_on_the_body_without_penetration(collision_body, side, touch):
     random, near = source(4), []
     rig, capsules = collision_body
     for _ in range(12):
@@ -166,7 +166,7 @@ def test_hands_lie_on_the_body_but_not_in_it(collision_body, side, touch):
     assert near or touch.part.startswith(('own_', 'other_', 'neck'))
 
 
-def test_gestures_keep_the_legs_and_now_and_then_an_arm(collision_body):
+def test_gestures_keep_the_legs_and_sometimes_an_arm(collision_body):
     random, kept = source(5), 0
     before = sample_pose(collision_body, RandomStream(random))
     for _ in range(40):
@@ -177,7 +177,7 @@ def test_gestures_keep_the_legs_and_now_and_then_an_arm(collision_body):
     assert 8 < kept < 35
 
 
-def test_chances_are_as_they_say():
+def test_random_stream_has_the_stated_distributions():
     random = source(6)
     drawn = [RandomStream(random, 16) for _ in range(4000)]
     bell = np.array([stream.normal(3.0, 2.0) for stream in drawn])
@@ -196,7 +196,7 @@ def test_chances_are_as_they_say():
     assert RandomStream(one).uniform() == RandomStream(other).uniform()
 
 
-def test_a_pose_never_needs_more_chances_than_are_drawn(collision_body, monkeypatch):
+def test_pose_never_exhausts_its_random_stream(collision_body, monkeypatch):
     """Every try at the arms fails; both arms touch the body or close on each other."""
     monkeypatch.setattr('lsc_pose_ros.synthetic.motion.whole_body_poses.MAX_PENETRATION', -1.0)
     random = source(8)

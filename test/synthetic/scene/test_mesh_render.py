@@ -78,14 +78,14 @@ def soup(random, count, spread):
 
 
 @pytest.mark.parametrize('spread', [0.003, 0.05, 0.6])
-def test_random_triangles_are_drawn_as_the_equation_says(spread):
+def test_random_triangles_agree_with_the_equation(spread):
     random = np.random.default_rng(int(spread * 1000))
     meshes = [RenderMesh(*soup(random, 150, spread), body) for body in (1, 2, 7)]
     image = compare(meshes)
     assert (image.labels != NO_BODY).any()
 
 
-def test_degenerate_triangles_draw_nothing_and_harm_nothing():
+def test_degenerate_triangles_draw_nothing():
     corners = np.array(
         [
             [0, 0, 1], [0, 0, 1], [0, 0, 1],  # a point
@@ -108,7 +108,7 @@ def test_degenerate_triangles_draw_nothing_and_harm_nothing():
     assert not render_meshes([], CAMERA, WIDTH, HEIGHT).depth.any()
 
 
-def test_a_triangle_larger_than_the_image_fills_it():
+def test_triangle_larger_than_the_image_fills_it():
     corners = np.array([[-900.0, -900.0, 3.0], [900.0, -900.0, 3.0], [0.0, 1500.0, 3.0]])
     image = render_meshes(
         [RenderMesh(corners, np.array([[0, 1, 2]], np.uint16), 5)], CAMERA, 40, 30
@@ -117,7 +117,7 @@ def test_a_triangle_larger_than_the_image_fills_it():
     np.testing.assert_allclose(image.depth, 3.0, rtol=1e-6)
 
 
-def test_a_slanted_plane_has_the_depth_of_its_equation():
+def test_depth_of_a_slanted_plane_agrees_with_the_equation():
     # z = 2 + 0.5 x - 0.3 y
     x, y = np.array([-3.0, 3.0, 3.0, -3.0]), np.array([-3.0, -3.0, 3.0, 3.0])
     vertices = np.stack([x, y, 2.0 + 0.5 * x - 0.3 * y], axis=1)
@@ -133,7 +133,7 @@ def test_a_slanted_plane_has_the_depth_of_its_equation():
     np.testing.assert_allclose(image.depth[drawn], expected[drawn], rtol=2e-4)
 
 
-def test_neighbours_leave_no_gap():
+def test_adjacent_triangles_leave_no_gap():
     random = np.random.default_rng(5)
     count = 24
     u, v = np.meshgrid(np.linspace(-1, 1, count), np.linspace(-1, 1, count))
@@ -149,7 +149,7 @@ def test_neighbours_leave_no_gap():
     assert drawn[rows.min() + 2 : rows.max() - 1, columns.min() + 5 : columns.max() - 4].all()
 
 
-def test_the_order_of_bodies_does_not_matter():
+def test_order_of_bodies_does_not_matter():
     random = np.random.default_rng(9)
     meshes = [RenderMesh(*soup(random, 60, 0.3), body) for body in (3, 4, 5)]
     one, other = (render_meshes(m, CAMERA, WIDTH, HEIGHT) for m in (meshes, meshes[::-1]))
@@ -157,7 +157,7 @@ def test_the_order_of_bodies_does_not_matter():
     np.testing.assert_array_equal(one.labels, other.labels)
 
 
-def before_camera(body, body_shape, yaw, position):
+def person_in_camera(body, body_shape, yaw, position):
     """A person who stands before the camera as at rest."""
     cosine, sine = np.cos(yaw), np.sin(yaw)
     rotation = np.array([[cosine, 0, sine], [0, -1, 0], [sine, 0, -cosine]])
@@ -165,18 +165,18 @@ def before_camera(body, body_shape, yaw, position):
     return pose_body(body, rest, named_rotations(body, {'root': rotation}), np.asarray(position))
 
 
-def test_a_person_is_drawn_as_the_equation_says(body):
+def test_rendered_person_agrees_with_the_equation(body):
     camera = Intrinsics(40.0, 40.0, 23.5, 31.5)
-    posed = before_camera(body, BodyShape(30, 0.5), 0.4, [0, 0, 1.6])
+    posed = person_in_camera(body, BodyShape(30, 0.5), 0.4, [0, 0, 1.6])
     some = body.triangles[::5]
     compare([RenderMesh(posed.vertices, some, 1)], camera, 48, 64)
 
 
-def test_people_hide_one_another_and_joints_lie_behind_the_skin_on_the_mask(body):
+def test_people_hide_each_other_and_joints_are_behind_the_skin(body):
     camera = Intrinsics(285.0, 285.0, 159.5, 119.5)
     places = [(-0.9, 0.1, 3.2), (0.4, 0.0, 2.6), (0.7, 0.0, 3.6)]
     figures = [BodyShape(6, 0.3), BodyShape(30, 1.0), BodyShape(60, 0.0)]
-    people = [before_camera(body, f, 0.0, p) for f, p in zip(figures, places, strict=True)]
+    people = [person_in_camera(body, f, 0.0, p) for f, p in zip(figures, places, strict=True)]
     meshes = [RenderMesh(person.vertices, body.triangles, n) for n, person in enumerate(people, 1)]
     image = render_meshes(meshes, camera, 320, 240)
     np.testing.assert_array_equal((image.depth > 0), image.labels != NO_BODY)
@@ -198,9 +198,9 @@ def test_people_hide_one_another_and_joints_lie_behind_the_skin_on_the_mask(body
     assert left[0] > right[0] + 40
 
 
-def test_the_last_bits_of_the_vertices_decide_nothing(body):
+def test_last_bits_of_the_vertices_do_not_matter(body):
     camera = Intrinsics(285.0, 285.0, 159.5, 119.5)
-    posed = before_camera(body, BodyShape(30, 1.0), 0.7, [0, 0, 2.5])
+    posed = person_in_camera(body, BodyShape(30, 1.0), 0.7, [0, 0, 2.5])
     random = np.random.default_rng(4)
     shaken = posed.vertices + 1e-15 * random.normal(size=posed.vertices.shape)
     one, other = (

@@ -56,7 +56,7 @@ def angle_of(placement: ScenePlacement) -> float:
 
 
 @pytest.mark.parametrize('height', [1.1, 1.7, 2.2])
-def test_one_person_stands_in_full_view_and_not_always_in_the_same_place(height: float) -> None:
+def test_one_person_is_in_full_view_at_varying_positions(height: float) -> None:
     person = column(height)
     stages = [sample_placement([person], VIEW, source(seed)) for seed in range(60)]
     for placement in stages:
@@ -69,7 +69,7 @@ def test_one_person_stands_in_full_view_and_not_always_in_the_same_place(height:
     assert np.std([angle_of(placement) for placement in stages]) > 0.05
 
 
-def test_person_may_come_as_near_as_the_image_allows() -> None:
+def test_person_can_be_as_near_as_the_image_allows() -> None:
     person = column(1.7)
     distances = [
         sample_placement([person], VIEW, source(seed)).positions[0, 2] for seed in range(200)
@@ -77,14 +77,14 @@ def test_person_may_come_as_near_as_the_image_allows() -> None:
     assert min(distances) < 2.6
 
 
-def test_a_camera_that_looks_down_sees_the_floor_nearer_than_one_that_looks_ahead() -> None:
+def test_positive_tilt_looks_down() -> None:
     ahead = np.array([0.0, 0.0, 3.0])
     assert (tilt_rotation(0.3) @ ahead)[
         1
     ] < 0  # what is level with the camera is high in the image
 
 
-def test_several_people_share_a_floor_and_never_touch() -> None:
+def test_several_people_are_on_one_floor_and_never_touch() -> None:
     people = [column(1.2), column(1.7), column(1.8)]
     for seed in range(20):
         placement = sample_placement(people, VIEW._replace(distance=(1.5, 5.0)), source(seed))
@@ -112,7 +112,7 @@ def test_cropped_people_keep_their_trunk_in_view() -> None:
     assert cut == 20
 
 
-def test_a_place_that_is_too_small_is_refused() -> None:
+def test_impossible_placement_is_refused() -> None:
     with pytest.raises(InputError, match=r'no place found for a person .* 1 and 1\.5 m'):
         sample_placement([column(1.8)], VIEW._replace(distance=(1.0, 1.5)), source(0))
     with pytest.raises(InputError, match='no place found for 8 people'):
@@ -121,7 +121,7 @@ def test_a_place_that_is_too_small_is_refused() -> None:
         sample_placement([column(1.8)], VIEW._replace(camera_height=(9.0, 9.1)), source(0))
 
 
-def naive_scene(room: Room, tilt: NDArray[np.float64], width: int, height: int) -> np.ndarray:
+def naive_room(room: Room, tilt: NDArray[np.float64], width: int, height: int) -> np.ndarray:
     """Every ray against every side of every box."""
     depth = np.full((height, width), np.inf)
     for row in range(height):
@@ -142,22 +142,22 @@ def naive_scene(room: Room, tilt: NDArray[np.float64], width: int, height: int) 
     return depth
 
 
-def people_on_stage(seed: int) -> tuple[list[PersonExtent], ScenePlacement]:
+def placed_people(seed: int) -> tuple[list[PersonExtent], ScenePlacement]:
     people = [column(1.7), column(1.4)]
     return people, sample_placement(people, VIEW._replace(distance=(2.0, 5.0)), source(seed))
 
 
 @pytest.mark.parametrize('seed', range(3))
-def test_a_room_is_drawn_as_the_equation_says(seed: int) -> None:
-    people, placement = people_on_stage(seed)
+def test_rendered_room_agrees_with_the_equation(seed: int) -> None:
+    people, placement = placed_people(seed)
     room = sample_room(people, placement, source(seed))
     image = DepthImage(np.zeros((48, 64), np.float32), np.full((48, 64), NO_BODY, np.int32))
     render_room(image, room, placement.tilt, CAMERA)
-    np.testing.assert_allclose(image.depth, naive_scene(room, placement.tilt, 64, 48), rtol=1e-5)
+    np.testing.assert_allclose(image.depth, naive_room(room, placement.tilt, 64, 48), rtol=1e-5)
     assert (image.labels == NO_BODY).all()
 
 
-def test_a_room_hides_what_is_behind_it_and_nothing_else() -> None:
+def test_room_hides_only_what_is_behind_it() -> None:
     room = Room(
         np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 3.0]]),
         np.array([[5.0, 2.0, 5.0], [0.2, 3.0, 0.5]]),
@@ -174,10 +174,10 @@ def test_a_room_hides_what_is_behind_it_and_nothing_else() -> None:
     assert image.depth[239, 20] == pytest.approx(2.0 / (119.5 / 286.0), rel=1e-5)  # the floor
 
 
-def test_rooms_hold_people_and_furniture_is_aside_of_them() -> None:
+def test_rooms_contain_the_people_and_furniture_does_not_hide_them() -> None:
     counts = []
     for seed in range(40):
-        people, placement = people_on_stage(seed)
+        people, placement = placed_people(seed)
         room = sample_room(people, placement, source(seed))
         counts.append(len(room.centres) - 1)
         points = np.concatenate(

@@ -80,7 +80,7 @@ def naive_slope(depth: NDArray[np.float32], row: int, column: int, focal: float)
     return math.hypot(*changes) * focal / float(depth[row, column])
 
 
-def test_slope_agrees_with_its_plain_twin() -> None:
+def test_slope_agrees_with_its_reference() -> None:
     depth = random_image(3).depth
     for row, column in np.argwhere(depth > 0):
         found = slope(depth, row, column, 36.0)
@@ -88,7 +88,7 @@ def test_slope_agrees_with_its_plain_twin() -> None:
 
 
 @pytest.mark.parametrize('angle', [0.0, 30.0, 60.0, 80.0])
-def test_slope_of_a_turned_wall_is_the_tangent_of_its_angle(angle: float) -> None:
+def test_slope_of_a_rotated_wall_is_the_tangent_of_its_angle(angle: float) -> None:
     tangent = math.tan(math.radians(angle))
     rays = (np.arange(101) - 50) / 1000.0
     row = (2.0 / (1.0 - tangent * rays)).astype(np.float32)
@@ -99,17 +99,17 @@ def test_slope_of_a_turned_wall_is_the_tangent_of_its_angle(angle: float) -> Non
 @pytest.mark.parametrize(
     ('position', 'pixel'), [(-7.0, 0), (-0.5, 0), (0.49, 0), (0.5, 1), (3.2, 3), (9.0, 4)]
 )
-def test_the_nearest_pixel_is_within_the_image(position: float, pixel: int) -> None:
+def test_nearest_pixel_is_within_the_image(position: float, pixel: int) -> None:
     assert nearest_pixel(position, 5) == pixel
 
 
-def test_focal_length_holds_the_field_of_view() -> None:
+def test_focal_length_gives_the_field_of_view() -> None:
     assert focal_length(640, 90.0) == pytest.approx(320.0)
     assert 2 * math.degrees(math.atan(88 / focal_length(176, 43.6))) == pytest.approx(43.6)
 
 
 @pytest.mark.parametrize('spacing', [1.3, 3.0, 7.7, 100.0])
-def test_interpolation_agrees_with_its_plain_twin(spacing: float) -> None:
+def test_interpolation_agrees_with_its_reference(spacing: float) -> None:
     rows, columns = (
         grid_interpolation(HEIGHT, spacing, 0.3),
         grid_interpolation(WIDTH, spacing, 0.9),
@@ -129,7 +129,7 @@ def test_interpolation_agrees_with_its_plain_twin(spacing: float) -> None:
     np.testing.assert_allclose(found, expected, atol=1e-5)
 
 
-def likeness(gap: float) -> float:
+def correlation(gap: float) -> float:
     """The mean correlation of two places that lie a share of the grid's spacing apart."""
     position = np.linspace(0, 1, 2001)[:, None] + np.array([0, gap])
     # Each node's weight falls linearly to nothing at its neighbours.
@@ -139,7 +139,9 @@ def likeness(gap: float) -> float:
 
 
 @pytest.mark.parametrize('spacing', [0.4, 2.5, 6.0])
-def test_grain_has_deviation_one_everywhere_and_the_length_that_was_asked(spacing: float) -> None:
+def test_correlated_field_has_deviation_one_and_the_given_correlation_length(
+    spacing: float,
+) -> None:
     random = np.random.default_rng(0)
     fields = np.stack([correlated_field((24, 26), spacing, random) for _ in range(1500)])
     assert fields.dtype == np.float32
@@ -148,10 +150,10 @@ def test_grain_has_deviation_one_everywhere_and_the_length_that_was_asked(spacin
     gap = math.ceil(2 * spacing)
     far = (fields[:, :, gap:] * fields[:, :, :-gap]).mean()
     assert abs(far) < 0.02
-    assert inverse_depth == pytest.approx(likeness(1 / spacing), abs=0.02)
+    assert inverse_depth == pytest.approx(correlation(1 / spacing), abs=0.02)
 
 
-def naive_look(
+def naive_surfaces(
     image: DepthImage, sensor: Triangulation, lost_noise: NDArray[np.float32]
 ) -> NDArray[np.float64]:
     inverse_depth = np.zeros((HEIGHT, WIDTH))
@@ -187,17 +189,17 @@ def naive_look(
         ZED._replace(baseline=0.3),
     ],
 )
-def test_what_is_seen_agrees_with_its_plain_twin(sensor: Triangulation) -> None:
+def test_visible_surfaces_agree_with_the_reference(sensor: Triangulation) -> None:
     image, lost_noise = random_image(1), normal(2, HEIGHT, WIDTH)
     found = np.empty((HEIGHT, WIDTH), np.float32)
     see_surfaces(image.depth, sensor, DEPTH_RANGE, CAMERA, lost_noise, found)
-    expected = naive_look(image, sensor, lost_noise)
+    expected = naive_surfaces(image, sensor, lost_noise)
     np.testing.assert_allclose(found, expected, rtol=1e-6)
     missing = found < 0
     assert 20 < missing.sum() < 0.7 * (image.depth > 0).sum()
 
 
-def test_quantile_is_that_of_the_normal_distribution() -> None:
+def test_quantile_of_the_normal_distribution() -> None:
     values = np.random.default_rng(0).standard_normal(100_000)
     for probability in (0.02, 0.2, 0.5, 0.9):
         assert (values < normal_quantile(probability)).mean() == pytest.approx(
@@ -209,7 +211,7 @@ def test_quantile_is_that_of_the_normal_distribution() -> None:
 
 @pytest.mark.parametrize('scale', [0.0, 0.7, 3.0, 500.0])
 @pytest.mark.parametrize('growth', [0.0, 0.8, 2.5])
-def test_matching_agrees_with_its_plain_twin(scale: float, growth: float) -> None:
+def test_matching_agrees_with_its_reference(scale: float, growth: float) -> None:
     image = random_image(4)
     with np.errstate(divide='ignore'):
         inverse_depth = np.where(image.depth > 0, 1 / image.depth, 0).astype(np.float32)
@@ -235,7 +237,7 @@ def test_matching_agrees_with_its_plain_twin(scale: float, growth: float) -> Non
 
 
 @pytest.mark.parametrize('radius', [0, 1, 4, 100])
-def test_averaging_agrees_with_its_plain_twin(radius: int) -> None:
+def test_averaging_agrees_with_its_reference(radius: int) -> None:
     inverse_depth = random_image(7).depth.copy()
     found = average_window(inverse_depth, radius, 0.2)
     expected = inverse_depth.astype(float)
@@ -254,7 +256,7 @@ def test_averaging_agrees_with_its_plain_twin(radius: int) -> None:
 
 @pytest.mark.parametrize('sensor', [KINECT_V1, REALSENSE, ZED])
 @pytest.mark.parametrize('scale', [0.0, 1.0, 300.0])
-def test_measuring_agrees_with_its_plain_twin(sensor: Triangulation, scale: float) -> None:
+def test_quantisation_agrees_with_its_reference(sensor: Triangulation, scale: float) -> None:
     image, noise = random_image(8), np.float32(scale) * normal(9, HEIGHT, WIDTH)
     found = DepthImage(np.empty_like(image.depth), image.labels.copy())
     quantise(image.depth, noise, sensor, found)
@@ -292,7 +294,7 @@ def naive_mix(
 
 
 @pytest.mark.parametrize('sensor', [TOF, KINECT_V2._replace(area=3.3), TOF._replace(area=40.0)])
-def test_exposure_agrees_with_its_plain_twin(sensor: TimeOfFlight) -> None:
+def test_exposure_agrees_with_its_reference(sensor: TimeOfFlight) -> None:
     sensor = sensor._replace(focal=60.0)
     clean = random_image(10)
     random = np.random.default_rng(11)
@@ -334,7 +336,7 @@ def test_exposure_agrees_with_its_plain_twin(sensor: TimeOfFlight) -> None:
 
 
 @pytest.mark.parametrize('angle', [0.0, 30.0, 60.0, 79.0, 89.0])
-def test_time_of_flight_deviates_as_its_formula_says(angle: float) -> None:
+def test_time_of_flight_deviation_agrees_with_its_formula(angle: float) -> None:
     turned = min(math.radians(angle), MAX_ANGLE)
     z = 2.3
     expected = 1.5 - 0.5 * z + 0.3 * z**2

@@ -29,7 +29,7 @@ def wall(distance: float, body: int = 1) -> DepthImage:
     return DepthImage(np.full(shape, distance, np.float32), np.full(shape, body, np.int32))
 
 
-def turned_wall(distance: float, angle: float, camera: Intrinsics) -> DepthImage:
+def rotated_wall(distance: float, angle: float, camera: Intrinsics) -> DepthImage:
     """A wall before the middle of the image, turned about the vertical."""
     rays = (np.arange(WIDTH) - camera.cx) / camera.fx
     depth = distance / (1 - math.tan(math.radians(angle)) * rays)
@@ -47,14 +47,14 @@ def box(*, room: bool, near: float = BODY, far: float = WALL) -> DepthImage:
     return DepthImage(depth, labels)
 
 
-def seen(name: str, image: DepthImage, seed: int = 0) -> DepthImage:
+def sensed(name: str, image: DepthImage, seed: int = 0) -> DepthImage:
     return apply_sensor(name, image, camera_of(name), np.random.default_rng(seed))
 
 
 def deviation(name: str, distance: float) -> float:
     """Of several images of a wall: noise is alike over pixels, so one image is no statistic."""
     middle = np.s_[40:-40, 100:-40]  # of stereo, the left margin sees nothing
-    images = [seen(name, wall(distance), seed).depth[middle] for seed in range(4)]
+    images = [sensed(name, wall(distance), seed).depth[middle] for seed in range(4)]
     values = np.stack(images)
     return float(values[values > 0].std())
 
@@ -77,7 +77,7 @@ def test_noise_on_a_wall_follows_the_law_of_its_source(name, law, distance) -> N
     assert deviation(name, distance) == pytest.approx(law(distance), rel=0.1)
 
 
-def test_noise_on_a_wall_keeps_within_what_is_specified() -> None:
+def test_noise_on_a_wall_is_within_the_specification() -> None:
     assert deviation('azure', 3.5) < 0.017
     assert deviation('azure', 1.5) == pytest.approx(deviation('kinect_v2', 1.5), rel=0.5)
     assert deviation('azure', 3.5) < 0.8 * deviation('kinect_v2', 3.5)
@@ -85,25 +85,25 @@ def test_noise_on_a_wall_keeps_within_what_is_specified() -> None:
 
 
 @pytest.mark.parametrize('distance', [1.0, 2.0, 3.5])
-def test_kinect_v1_has_the_steps_that_were_measured(distance: float) -> None:
+def test_kinect_v1_has_the_measured_steps(distance: float) -> None:
     """Khoshelham and Elberink: 2.85 mm at 1 m, growing with the square of the distance."""
-    levels = np.unique(seen('kinect_v1', wall(distance)).depth)
+    levels = np.unique(sensed('kinect_v1', wall(distance)).depth)
     assert len(levels) <= 7
     assert np.diff(levels).mean() == pytest.approx(0.00285 * distance**2, rel=0.03)
 
 
-def test_steps_are_those_of_a_real_kinect_v1(shared) -> None:
+def test_steps_agree_with_a_real_kinect_v1(shared) -> None:
     """1/z comes in the same steps, but for whole millimetres and steps that no pixel has."""
     recording = next((shared / 'smoke' / 'skeltrack_upper').glob('depth-data-*'))
     recorded = np.unique(np.fromfile(recording, '<u2')).astype(float) / 1000
     recorded = recorded[(recorded > 0.6) & (recorded < 4)]
     assert len(recorded) > 30
-    levels = np.unique(seen('kinect_v1', wall(2.0)).depth).astype(float)
+    levels = np.unique(sensed('kinect_v1', wall(2.0)).depth).astype(float)
     steps = [np.median(-np.diff(1 / values)) for values in (recorded, levels)]
     assert steps[0] == pytest.approx(steps[1], rel=0.03)
 
 
-def likeness(name: str, gap: int) -> float:
+def correlation(name: str, gap: int) -> float:
     """How alike the errors of pixels are that lie so far apart, the sensor's own pixels."""
     sensor = SENSORS[name]
     image = DepthImage(np.full((240, 300), 2.0, np.float32), np.ones((240, 300), np.int32))
@@ -114,18 +114,18 @@ def likeness(name: str, gap: int) -> float:
     return float(np.mean(errors[:, gap:] * errors[:, :-gap]) / errors.var())
 
 
-def test_noise_is_alike_over_the_window_of_a_match_and_alone_in_time_of_flight() -> None:
+def test_noise_is_correlated_over_the_matching_window_and_independent_in_time_of_flight() -> None:
     for name, width in (('kinect_v1', 2), ('realsense', 9), ('zed', 16)):
-        assert likeness(name, 1) > 0.4
-        assert abs(likeness(name, 2 * width + 1)) < 0.1
-    assert likeness('zed', 4) > likeness('realsense', 4) > likeness('kinect_v1', 4)
+        assert correlation(name, 1) > 0.4
+        assert abs(correlation(name, 2 * width + 1)) < 0.1
+    assert correlation('zed', 4) > correlation('realsense', 4) > correlation('kinect_v1', 4)
     for name in FLIGHT:
-        assert abs(likeness(name, 1)) < 0.02
+        assert abs(correlation(name, 1)) < 0.02
 
 
 def lost(name: str, distance: float, angle: float) -> float:
     camera = camera_of(name)
-    image = turned_wall(distance, angle, camera)
+    image = rotated_wall(distance, angle, camera)
     # Within the wall, away from where it ends.
     columns = np.flatnonzero(image.depth[0] > 0)
     inner = columns[len(columns) // 4 : max(3 * len(columns) // 4, len(columns) // 4 + 1)]
@@ -134,17 +134,17 @@ def lost(name: str, distance: float, angle: float) -> float:
 
 
 @pytest.mark.parametrize('name', DISPARITY)
-def test_disparity_is_lost_more_and_more_at_grazing_angles(name: str) -> None:
+def test_losses_of_disparity_increase_with_the_angle(name: str) -> None:
     """The wall turns its face to the second place, so the angle alone is to blame."""
-    anyway = 0.03
-    assert lost(name, 2.0, -20.0) < anyway
-    assert lost(name, 2.0, -60.0) < anyway
+    dropout = 0.03
+    assert lost(name, 2.0, -20.0) < dropout
+    assert lost(name, 2.0, -60.0) < dropout
     shares = [lost(name, 2.0, angle) for angle in (-60.0, -80.0, -86.0)]
     assert shares == sorted(shares)
     assert shares[-1] > 0.3
 
 
-def test_light_is_lost_far_away_and_turned_away() -> None:
+def test_losses_of_light_increase_with_distance_and_angle() -> None:
     for name in FLIGHT:
         assert lost(name, 0.6 * SENSORS[name].farthest, -50.0) == 0
         assert lost(name, 0.95 * SENSORS[name].farthest, 0.0) < 0.01
@@ -154,80 +154,80 @@ def test_light_is_lost_far_away_and_turned_away() -> None:
 
 
 @pytest.mark.parametrize('name', SENSORS)
-def test_nothing_is_measured_out_of_range(name: str) -> None:
+def test_little_is_measured_out_of_range(name: str) -> None:
     sensor = SENSORS[name]
-    assert not seen(name, wall(0.9 * sensor.nearest)).depth.any()
-    assert not seen(name, wall(3.0 * sensor.farthest)).depth.any() or name in FLIGHT
-    assert (seen(name, wall(3.0 * sensor.farthest)).depth > 0).mean() < 0.15
-    middle = seen(name, wall(1.0)).depth[:, 100:]
+    assert not sensed(name, wall(0.9 * sensor.nearest)).depth.any()
+    assert not sensed(name, wall(3.0 * sensor.farthest)).depth.any() or name in FLIGHT
+    assert (sensed(name, wall(3.0 * sensor.farthest)).depth > 0).mean() < 0.15
+    middle = sensed(name, wall(1.0)).depth[:, 100:]
     assert (middle > 0).mean() > 0.95
     assert (middle[middle > 0] >= sensor.nearest).all()
 
 
 @pytest.mark.parametrize('name', DISPARITY)
-def test_a_shadow_falls_to_the_left_as_wide_as_the_baseline_makes_it(name: str) -> None:
+def test_width_of_the_shadow_on_the_left_follows_the_baseline(name: str) -> None:
     baseline = {'kinect_v1': 0.075, 'realsense': 0.050, 'zed': 0.120}[name]
     camera = camera_of(name)
-    found = np.mean([seen(name, box(room=True), seed).depth == 0 for seed in range(6)], axis=0)
+    found = np.mean([sensed(name, box(room=True), seed).depth == 0 for seed in range(6)], axis=0)
     rows = found[80:160]
     expected = camera.fx * baseline * (1 / BODY - 1 / WALL)
     left = rows[:, 90:115].sum(axis=1).mean()
     # The body grows over a part of it: edge fattening.
-    assert left == pytest.approx(expected - area(name), abs=0.5)
+    assert left == pytest.approx(expected - growth(name), abs=0.5)
     right = rows[:, 205:230].sum(axis=1).mean()
     assert right < 0.5
     assert rows[:, 130:190].mean() < 0.03
 
 
-def test_two_cameras_see_no_depth_at_the_left_margin() -> None:
+def test_stereo_has_no_depth_at_the_left_margin() -> None:
     for name in STEREO:
         baseline = {'realsense': 0.050, 'zed': 0.120}[name]
         band = camera_of(name).fx * baseline / 1.0
-        columns = (seen(name, wall(1.0)).depth == 0).mean(axis=0)
+        columns = (sensed(name, wall(1.0)).depth == 0).mean(axis=0)
         assert (columns[: int(band) - 2] > 0.9).all()
         assert columns[int(band) + 3 :].mean() < 0.03
-    assert (seen('kinect_v1', wall(1.0)).depth[:, :30] > 0).all()
+    assert (sensed('kinect_v1', wall(1.0)).depth[:, :30] > 0).all()
 
 
-def test_a_body_before_nothing_throws_no_shadow_and_keeps_its_middle() -> None:
+def test_body_without_background_keeps_its_middle() -> None:
     for name in DISPARITY:
-        found = seen(name, box(room=False))
+        found = sensed(name, box(room=False))
         assert (found.depth[70:170, 120:200] > 0).mean() > 0.97
         assert (found.labels[found.depth > 0] == 1).all()
 
 
-def area(name: str, seeds: int = 4) -> float:
+def growth(name: str, seeds: int = 4) -> float:
     """By how many pixels the box grows on each side."""
-    images = [seen(name, box(room=False), seed) for seed in range(seeds)]
+    images = [sensed(name, box(room=False), seed) for seed in range(seeds)]
     count = np.mean([(image.labels == 1).sum() for image in images])
     return float((count - 120 * 100) / (2 * (120 + 100)))
 
 
-def test_edges_grow_in_stereo_the_most_in_passive_stereo() -> None:
-    assert abs(area('kinect_v1')) < 0.15
-    assert 0.2 < area('realsense') < 1.0
-    assert area('realsense') < area('zed') < 1.5
+def test_edges_grow_in_stereo_and_most_in_passive_stereo() -> None:
+    assert abs(growth('kinect_v1')) < 0.15
+    assert 0.2 < growth('realsense') < 1.0
+    assert growth('realsense') < growth('zed') < 1.5
 
 
-def wavering(name: str) -> float:
+def edge_displacement(name: str) -> float:
     """The deviation of where the box's right side ends, pixels of the image."""
-    labels = seen(name, box(room=True)).labels[70:170]
+    labels = sensed(name, box(room=True)).labels[70:170]
     return float((labels == 1).sum(axis=1).std())
 
 
-def test_edges_waver_by_less_than_two_pixels() -> None:
+def test_edges_are_displaced_by_less_than_two_pixels() -> None:
     for name in SENSORS:
-        assert 0.1 < wavering(name) < 2.0
+        assert 0.1 < edge_displacement(name) < 2.0
 
 
-def test_passive_stereo_blends_what_is_close_together() -> None:
+def test_passive_stereo_blends_surfaces_at_similar_depths() -> None:
     """An arm before a trunk: a ramp between them in passive stereo, a step in Kinect v1."""
     depth = np.full((HEIGHT, WIDTH), 2.0, np.float32)
     depth[:, 150:170] = 1.85
     image = DepthImage(depth, np.ones((HEIGHT, WIDTH), np.int32))
 
     def between(name: str) -> float:
-        found = seen(name, image).depth[:, 100:]
+        found = sensed(name, image).depth[:, 100:]
         return float(((found > 1.89) & (found < 1.96)).mean())
 
     assert between('zed') > 2 * between('kinect_v1')
@@ -243,8 +243,8 @@ def distance_to_edge() -> NDArray[np.int64]:
 
 
 @pytest.mark.parametrize('name', FLIGHT)
-def test_pixels_fly_only_beside_edges_and_between_the_surfaces(name: str) -> None:
-    found = seen(name, box(room=True))
+def test_flying_pixels_are_at_edges_and_between_the_surfaces(name: str) -> None:
+    found = sensed(name, box(room=True))
     flying = (found.depth > BODY + 0.1) & (found.depth < WALL - 0.1)
     assert flying.sum() > 20
     assert distance_to_edge()[flying].max() <= 3
@@ -259,36 +259,36 @@ def test_pixels_fly_only_beside_edges_and_between_the_surfaces(name: str) -> Non
 
 
 @pytest.mark.parametrize('name', FLIGHT)
-def test_before_nothing_pixels_trail_to_a_wall_and_stay_the_bodys(name: str) -> None:
-    found = seen(name, box(room=False))
+def test_flying_pixels_without_background_keep_the_label_of_the_body(name: str) -> None:
+    found = sensed(name, box(room=False))
     flying = found.depth > BODY + 0.1
     assert flying.sum() > 5
     assert distance_to_edge()[flying].max() <= 3
     assert found.depth.max() < BODY + WALL_DISTANCE[1]
     np.testing.assert_array_equal(found.labels == NO_BODY, found.depth == 0)
     # The body returns more light than the wall, so it shows in more than half of the mixed ones.
-    assert abs(area(name)) < 1.0
+    assert abs(growth(name)) < 1.0
 
 
-def test_sensors_differ_in_how_many_flying_pixels_they_drop() -> None:
+def test_sensors_drop_different_fractions_of_flying_pixels() -> None:
     def count(name: str) -> int:
-        found = seen(name, box(room=True))
+        found = sensed(name, box(room=True))
         return int(((found.depth > BODY + 0.1) & (found.depth < WALL - 0.1)).sum())
 
     assert count('azure') < count('kinect_v2') < count('tof')
     for name in DISPARITY:
-        found = seen(name, box(room=True))
+        found = sensed(name, box(room=True))
         assert ((found.depth > BODY + 0.3) & (found.depth < WALL - 0.4)).sum() < 10
 
 
-def test_without_noise_an_image_stays_as_it_is() -> None:
+def test_no_noise_leaves_the_image_unchanged() -> None:
     image = box(room=True)
     random = np.random.default_rng(0)
     assert apply_sensor('none', image, camera_of('tof'), random) is image
     assert random.random() == np.random.default_rng(0).random()
 
 
-def test_names_of_noises_are_those_of_sensors() -> None:
+def test_noises_have_the_names_of_sensors() -> None:
     assert set(NOISES) == {*SENSORS, 'none'}
     for name, sensor in SENSORS.items():
         assert sensor.name == name
@@ -297,10 +297,10 @@ def test_names_of_noises_are_those_of_sensors() -> None:
 
 
 @pytest.mark.parametrize('name', SENSORS)
-def test_the_same_state_gives_the_same_image(name: str) -> None:
+def test_noise_depends_only_on_the_state_of_the_generator(name: str) -> None:
     image = box(room=True)
     kept = DepthImage(image.depth.copy(), image.labels.copy())
-    first, again, other = (seen(name, image, seed) for seed in (5, 5, 6))
+    first, again, other = (sensed(name, image, seed) for seed in (5, 5, 6))
     np.testing.assert_array_equal(first.depth, again.depth)
     np.testing.assert_array_equal(first.labels, again.labels)
     assert (first.depth != other.depth).any()
@@ -312,7 +312,7 @@ def test_the_same_state_gives_the_same_image(name: str) -> None:
 
 @pytest.mark.parametrize('name', SENSORS)
 @pytest.mark.parametrize('shape', [(1, 1), (1, 40), (40, 1), (17, 16), (300, 500)])
-def test_images_of_any_size_are_sensed(name: str, shape: tuple[int, int]) -> None:
+def test_images_of_any_size_are_accepted(name: str, shape: tuple[int, int]) -> None:
     height, width = shape
     camera = camera_of(name, width, height)
     nothing = DepthImage(np.zeros(shape, np.float32), np.full(shape, NO_BODY, np.int32))
@@ -327,7 +327,7 @@ def test_images_of_any_size_are_sensed(name: str, shape: tuple[int, int]) -> Non
     np.testing.assert_array_equal(found.labels, np.where(found.depth > 0, 3, NO_BODY))
 
 
-def test_effects_in_pixels_follow_the_size_of_the_image() -> None:
+def test_effects_in_pixels_scale_with_the_image() -> None:
     def shadow(width: int) -> float:
         camera = camera_of('zed', width, width * 3 // 4)
         depth = np.full((40, width), 3.4, np.float32)
