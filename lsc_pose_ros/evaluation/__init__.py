@@ -1,1 +1,1 @@
-"""Measures how accurate and how fast a model is."""
+"""Accuracy and speed of a model."""

@@ -1,4 +1,4 @@
-"""Frames as image messages carry them, so that their decoding can be timed, too."""
+"""Frames encoded like image messages, so that the benchmark can time the decoding, too."""
 
 from typing import NamedTuple
 
@@ -15,7 +15,7 @@ from lsc_pose_ros.messages.codecs.image_encodings import (
     decode_mask,
 )
 
-# Metres from the next whole millimetre at which a depth still counts as one.
+# The largest distance of a depth to the next whole millimetre that counts as rounding, metres.
 _ROUNDING = 1e-6
 
 
@@ -24,10 +24,10 @@ class EncodedFrame(NamedTuple):
 
     Attributes:
         depth: the depth image's bytes.
-        depth_layout: how they lie.
+        depth_layout: their layout.
         mask: the mask's bytes.
-        mask_layout: how they lie.
-        background: the mask's pixel that shows no body.
+        mask_layout: their layout.
+        background: the value of mask pixels without a body.
         camera: the intrinsics.
     """
 
@@ -45,7 +45,7 @@ class EncodedFrame(NamedTuple):
 
 
 def encode_frame(frame: Frame) -> EncodedFrame:
-    """Return `frame` in the smallest encodings that keep it: what a camera would have sent."""
+    """Return `frame` in the smallest lossless encodings, like those of a camera."""
     millimetres = np.rint(frame.depth.astype(np.float64) * 1000)
     whole = np.abs(millimetres / 1000 - frame.depth).max() < _ROUNDING
     depth_encoding = '16UC1' if whole and millimetres.max() <= 65535 else '32FC1'
@@ -71,7 +71,7 @@ def decode_frame(encoded: EncodedFrame) -> tuple[NDArray[np.float32], NDArray[np
 
 
 def _mask_encoding(labels: NDArray[np.int32]) -> tuple[str, int]:
-    """Return the encoding, and the background: a number that no body has."""
+    """Return the encoding of a mask and its background, a number that no body has."""
     numbers = set(np.unique(labels).tolist())
     for encoding, most in (('mono8', 255), ('16UC1', 65535)):
         for background in (0, most):

@@ -1,4 +1,4 @@
-"""How good a model is: the errors of its joints against labelled frames (paper, section 4.4)."""
+"""The accuracy of a model: the errors of its joints on labelled frames (paper, section 4.4)."""
 
 import time
 from collections.abc import Iterable
@@ -20,14 +20,14 @@ class Evaluation(NamedTuple):
 
     Attributes:
         joints: the joints' numbers, shape (J,).
-        errors: the distance between estimate and truth, metres, shape (P, J); NaN where there is
-            no truth, infinity where there is no estimate.
-        frames: in which of the frames, counted from 0, each person is, shape (P,).
+        errors: the distance between estimate and ground truth, metres, shape (P, J); NaN without
+            ground truth, infinity without estimate.
+        frames: the number of each person's frame, counted from 0, shape (P,).
         bodies: the number of each person in the mask, shape (P,).
-        seconds: how long each frame took, shape (F,).
-        confidence: in each joint, 0 where there is no estimate, shape (P, J).
-        differences: truth minus estimate in the camera frame, metres, shape (P, J, 3); NaN where
-            either is lacking.
+        seconds: the time of each frame's estimate, shape (F,).
+        confidence: the confidence in each joint, 0 without estimate, shape (P, J).
+        differences: ground truth minus estimate in the camera frame, metres, shape (P, J, 3); NaN
+            if either is missing.
     """
 
     joints: NDArray[np.uint16]
@@ -43,10 +43,9 @@ class JointScore(NamedTuple):
     """One joint's score.
 
     Attributes:
-        mean_error_m: over the people for whom it was estimated, NaN where there is none.
-        ap: the share of people in which it lies within the tolerance; a joint that was not
-            estimated does not.
-        n: how many people have it labelled.
+        mean_error_m: the mean error over the people for whom it was estimated, NaN if for none.
+        ap: the fraction of the labelled people for whom it was estimated within the tolerance.
+        n: the number of people who have it labelled.
     """
 
     mean_error_m: float
@@ -55,11 +54,11 @@ class JointScore(NamedTuple):
 
 
 class Summary(NamedTuple):
-    """The scores over all joints that are labelled.
+    """The scores over all labelled joints.
 
     Attributes:
         mean_error_m: the mean of the joints' mean errors.
-        map: the mean of the joints' shares within the tolerance.
+        map: the mean of the joints' fractions within the tolerance.
         joints: each joint's score by name.
     """
 
@@ -69,41 +68,41 @@ class Summary(NamedTuple):
 
 
 def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
-    """Return the errors of `estimator` on every labelled person of `frames`.
+    """Return the errors of `estimator` on each labelled person of `frames`.
 
-    A person is known by the number in the mask.
+    Estimate and ground truth of a person have the same number in the mask.
 
     Raises:
         InputError: no frame is labelled, or no mask shows anybody.
     """
     errors: list[NDArray[np.float32]] = []
-    places: list[NDArray[np.int64]] = []
+    numbers: list[NDArray[np.int64]] = []
     bodies: list[NDArray[np.uint16]] = []
     seconds: list[float] = []
     confidence: list[NDArray[np.float32]] = []
     differences: list[NDArray[np.float32]] = []
-    seen = 0
+    estimated_bodies = 0
     for number, frame in enumerate(frames):
         begin = time.perf_counter()
         skeletons = estimator.estimate(frame.depth, frame.labels, frame.camera)
         seconds.append(time.perf_counter() - begin)
-        seen += len(skeletons.bodies)
+        estimated_bodies += len(skeletons.bodies)
         if frame.ground_truth is not None and len(frame.ground_truth.bodies):
             errors.append(joint_errors(skeletons, frame.ground_truth))
             confidence.append(joint_confidence(skeletons, frame.ground_truth))
             differences.append(joint_differences(skeletons, frame.ground_truth))
             bodies.append(frame.ground_truth.bodies)
-            places.append(np.full(len(frame.ground_truth.bodies), number))
+            numbers.append(np.full(len(frame.ground_truth.bodies), number))
     if not errors:
         msg = 'no frame has a labelled person; evaluation needs a recording with ground truth'
         raise InputError(msg)
-    if not seen:
+    if not estimated_bodies:
         msg = f'the masks of all {len(seconds)} frames are empty; is --mask-background right?'
         raise InputError(msg)
     return Evaluation(
         estimator.joints,
         np.concatenate(errors),
-        np.concatenate(places),
+        np.concatenate(numbers),
         np.concatenate(bodies),
         np.array(seconds),
         np.concatenate(confidence),
@@ -112,7 +111,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
 
 
 def select(evaluation: Evaluation, joints: NDArray[np.uint16]) -> Evaluation:
-    """Return `evaluation` of these `joints` only, shape (J',); in the order of the model.
+    """Return `evaluation` of `joints` only, shape (J',), in the order of the model.
 
     Raises:
         InputError: the model does not estimate one of them.
@@ -136,7 +135,7 @@ def select(evaluation: Evaluation, joints: NDArray[np.uint16]) -> Evaluation:
 def joint_errors(estimate: Skeletons, ground_truth: Skeletons) -> NDArray[np.float32]:
     """Return the distances between `estimate` and each body of `ground_truth`, metres, (B, J).
 
-    J are the joints of `estimate`. NaN where there is no truth, infinity where no estimate.
+    J are the joints of `estimate`. NaN without ground truth, infinity without estimate.
     """
     difference = joint_differences(estimate, ground_truth)
     labelled = ~np.isnan(select_joints(ground_truth, estimate.joints)[..., 0])
@@ -164,7 +163,7 @@ def joint_confidence(estimate: Skeletons, ground_truth: Skeletons) -> NDArray[np
 
 
 def _rows_of(ground_truth: Skeletons, estimate: Skeletons) -> list[tuple[int, int]]:
-    """Return the rows of each body that is in both."""
+    """Return the rows in both of each body that is in both."""
     rows = {int(number): row for row, number in enumerate(estimate.bodies)}
     return [
         (b, rows[int(number)])
@@ -174,14 +173,14 @@ def _rows_of(ground_truth: Skeletons, estimate: Skeletons) -> list[tuple[int, in
 
 
 def summarise(evaluation: Evaluation, tolerance: float) -> Summary:
-    """Return the scores; `tolerance` in metres (the paper's tau: 0.1)."""
+    """Return the scores for a tolerance in metres (tau in the paper, 0.1)."""
     joints: dict[str, JointScore] = {}
     for name, errors in zip(names_of(evaluation.joints), evaluation.errors.T, strict=True):
         labelled = errors[~np.isnan(errors)]
-        answered = labelled[np.isfinite(labelled)]
+        estimated = labelled[np.isfinite(labelled)]
         if len(labelled):
             joints[name] = JointScore(
-                float(answered.mean()) if len(answered) else float('nan'),
+                float(estimated.mean()) if len(estimated) else float('nan'),
                 float((labelled <= tolerance).mean()),
                 len(labelled),
             )

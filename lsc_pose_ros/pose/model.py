@@ -1,4 +1,4 @@
-"""A trained model: which joints, how they hang together, the forest, and where it comes from."""
+"""A trained model: its joints and edges, settings, forest, confidence and provenance."""
 
 from typing import NamedTuple
 
@@ -13,17 +13,17 @@ from lsc_pose_ros.pose.settings import Settings
 
 
 class Model(NamedTuple):
-    """All that estimation needs.
+    """A trained model.
 
     Attributes:
         joints: the numbers of the joints that it estimates, shape (J,).
         edges: pairs (parent, child) of indices into `joints`, shape (E, 2).
         limb_lengths: the mean length of each edge in training, metres, shape (E,) (h_ij).
-        settings: how silhouettes, descriptors and densities are computed.
-        forest: the trees and their votes.
-        provenance: what it was trained on and how, for people to read.
-        calibration: the confidence in each joint at K shares of the votes, evenly from 0 to 1,
-            shape (J, K); or (0, K) where it is not known, then the share is the confidence.
+        settings: the parameters of the method.
+        forest: the trees and the votes in their leaves.
+        provenance: the training data and options, for people to read.
+        calibration: the confidence in each joint for K vote fractions, evenly from 0 to 1, shape
+            (J, K); or (0, K) if unknown: then the vote fraction is the confidence.
     """
 
     joints: NDArray[np.uint16]
@@ -36,5 +36,5 @@ class Model(NamedTuple):
 
     @property
     def feature_size(self) -> int:
-        """How many numbers about a point the forest of the joints can ask for."""
+        """The number of features of a point that the trees can split by."""
         return feature_size(self.settings) + (BODY_YAW_SIZE if self.settings.body_yaws else 0)

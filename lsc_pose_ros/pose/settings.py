@@ -1,51 +1,50 @@
-"""The numbers that the method leaves open; a model carries those it was trained with."""
+"""The settings of the method that the paper leaves open; a model file contains its own."""
 
 from typing import NamedTuple
 
 FEATURES = ('3dlsc', '2dsc', 'dcf', 'mixed')
-"""The paper's feature, and its rivals; `core/features.py` says what they are."""
+"""The paper's feature and its rivals; `features/point_features.py` describes them."""
 
 SAMPLES = ('silhouette', 'body')
-"""Where the points of a body can be taken from."""
+"""Where the points of a body are taken from."""
 
 BINNINGS = ('shared', 'nearest')
-"""How a point counts in the bins of the paper's feature: in the eight around it, or in one."""
+"""How a point counts in the bins of 3dlsc: in the eight bins around it, or in one bin."""
 
 
 class Settings(NamedTuple):
-    """How silhouettes, descriptors and densities are computed.
+    """The parameters of silhouettes, descriptors, densities and graph.
 
     Attributes:
-        fewest_neighbours: a pixel of the body with fewer than so many of its eight neighbours at
-            its own depth is a flying pixel, on no surface, and is left out; 0 keeps all.
-        neighbour_distance: up to which step in depth a neighbour is at the same, metres.
-        fill_holes: a pixel without depth takes the median of its neighbours' on the body where so
-            many of the eight are; 0: it stays a hole.
-        noise_factor: sigma and t_d are at least so many times the noise that is found in the
-            body's own depth; 0: they are what they are.
+        fewest_neighbours: a pixel of the body with fewer of its eight neighbours at its own depth
+            is a flying pixel and is removed; 0: none is.
+        neighbour_distance: the largest difference in depth of such a neighbour, metres.
+        fill_holes: a pixel without depth gets the median depth of its neighbours on the body if at
+            least this many of the eight are on it; 0: it stays a hole.
+        noise_factor: sigma and t_d are at least this many times the noise of the body's own depth;
+            0: they are the same for all bodies.
         smoothing_sigma: sigma of the Gaussian over 3-D distances, metres (eq. 1).
         edge_threshold: t_d, the depth step that makes an edge, metres (eq. 2).
-        feature: what the forest sees of a point, one of FEATURES.
-        sample: whether the points lie on the body's silhouette (eq. 2) or anywhere on it, one of
-            SAMPLES.
-        points: N, how many points stand for a body.
-        query_points: how many of them vote; the others are only seen by their descriptors.
-        fixed_scale: metres that take the place of rho_bar wherever it is the unit, for everybody
-            alike; 0 for none: rho_bar is each body's own.
-        binning: of the feature 3dlsc: how a point counts in the bins, one of BINNINGS.
+        feature: the feature of a point, one of FEATURES.
+        sample: whether the points are on the body's silhouette (eq. 2) or anywhere on the body,
+            one of SAMPLES.
+        points: N, how many points represent a body.
+        query_points: how many of them vote; the others only count in the descriptors.
+        fixed_scale: a length that replaces rho_bar for all bodies, metres; 0: none, rho_bar is
+            each body's own.
+        binning: for 3dlsc: how a point counts in the bins, one of BINNINGS.
         support_radius: the descriptor's reach, in units of rho_bar.
-        inner_radius: the inner limit of the first radius bin, as a share of the support radius.
-        body_yaws: how many body yaws are tried, each told to the forest; 0:
-            the forest knows no facings.
+        inner_radius: the inner limit of the first radius bin, as a fraction of the reach.
+        body_yaws: how many body yaws the search tries; 0: the trees do not split by the body yaw.
         joint_bandwidth: h_j of the joint densities, metres (eq. 14).
         heaviest_votes: M, how many votes make a density (eq. 14, 15).
-        candidates: how many modes of a joint's density the graph may choose from (eq. 16).
+        candidates: how many modes of a joint's density the graph can choose from (eq. 16).
         pair_weight: the power to which the pair densities are raised in eq. 16 and 17.
-        legs_apart: the graph avoids to put the left and the right knee, or ankle, closer to each
-            other than this, metres; 0: it does not care, as in the paper.
-        offset_pairs: of the feature dcf: how many pairs of offsets there are.
-        offset_reach: likewise: how far an offset reaches in x and in y, metres.
-        offset_seed: likewise: of the offsets.
+        legs_apart: the graph penalises the left and the right knee, or ankle, closer to each other
+            than this, metres; 0: it does not, as in the paper.
+        offset_pairs: for dcf: the number of pairs of offsets.
+        offset_reach: for dcf: the largest offset in x and in y, metres.
+        offset_seed: for dcf: the seed of the random offsets.
     """
 
     fewest_neighbours: int = 0

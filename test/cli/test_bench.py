@@ -127,7 +127,7 @@ def test_frames_with_nobody_are_told_of(small_model_file, people, tmp_path, caps
         for number, frame in enumerate(people[:6]):
             writer.write_frame(frame._replace(labels=nobody) if number < 2 else frame)
     assert bench(path, '--model', small_model_file, folder=tmp_path)['frames'] == 4
-    assert '2 of 6 frames show nobody' in capsys.readouterr().err
+    assert '2 of 6 frames show too little of a person' in capsys.readouterr().err
 
 
 def test_a_recording_of_nobody(small_model_file, people, tmp_path, capsys):

@@ -223,11 +223,11 @@ def test_what_cannot_be_drawn_is_refused_with_a_reason(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     output = tmp_path / 'a.png'
-    assert 'end its name in .png' in refused(capsys, recording, '-o', tmp_path / 'a.jpg')
+    assert 'its name must end in .png' in refused(capsys, recording, '-o', tmp_path / 'a.jpg')
     nowhere = tmp_path / 'no' / 'a.png'
-    assert 'there is no folder' in refused(capsys, recording, '-o', nowhere)
+    assert 'does not exist; create it first' in refused(capsys, recording, '-o', nowhere)
     assert 'too many' in refused(capsys, recording, '-o', output, '--frames', 201)
-    assert '--body goes with --stages' in refused(capsys, recording, '-o', output, '--body', 1)
+    assert '--body needs --stages' in refused(capsys, recording, '-o', output, '--body', 1)
     beyond = refused(capsys, recording, '-o', output, '--at', 3, 9)
     assert f'people.mcap has no frame 9; its {FRAMES} frames are numbered from 0 to 8' in beyond
     body = refused(capsys, recording, '-o', output, '--stages', 0, '--body', 7)

@@ -30,10 +30,10 @@ from lsc_pose_ros.training.train import TrainingSettings, train
 HELP = 'time each stage of the method'
 
 TRAINING = SyntheticSettings(frames=300, seed=1, clip_length=3)
-"""What is learned from where there is no model."""
+"""The frames that a small model is trained on if none is installed."""
 
 TIMED = SyntheticSettings(frames=60, seed=2, clip_length=2)
-"""What is timed where there is no recording: other people, two frames of each."""
+"""The frames that are timed without a recording: other people, two frames each."""
 
 _SENSOR = sensor_of(TIMED)
 
@@ -57,25 +57,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=positive_int,
         default=TIMED.frames,
         metavar='N',
-        help='how many to time; of a recording, spread over all of it (default: %(default)s)',
+        help='how many frames to time, spread evenly over a recording (default: %(default)s)',
     )
     parser.add_argument(
         '--size',
         type=image_size,
         metavar='WIDTHxHEIGHT',
-        help=f'of the synthetic images (default: {_SENSOR.width}x{_SENSOR.height})',
+        help=f'size of the synthetic images (default: {_SENSOR.width}x{_SENSOR.height})',
     )
     parser.add_argument(
         '--people',
         type=positive_int,
         metavar='N',
-        help=f'in every synthetic image (default: {TIMED.people})',
+        help=f'people in each synthetic image (default: {TIMED.people})',
     )
     parser.add_argument(
         '--points',
         type=positive_int,
         metavar='N',
-        help="silhouette points a body (default: the model's)",
+        help="silhouette points of a body (default: the model's)",
     )
     parser.add_argument(
         '--query-points',
@@ -88,20 +88,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Time what `arguments` ask for and print a table; return the exit status.
+    """Time the frames and print a table; return the exit status.
 
     Raises:
-        InputError: the recording or the model cannot be used, or nobody is in the frames.
+        InputError: the recording or the model cannot be used, or the frames show nobody.
     """
     _check(arguments)
     frames = _recorded(arguments) if arguments.recording else _synthetic(arguments)
     model, origin = _model(arguments)
     estimator = Estimator(model._replace(settings=_settings(model.settings, arguments)))
-    seen = warm_up(estimator, frames)
-    if len(seen) < len(frames):
-        _tell(f'{len(frames) - len(seen)} of {len(frames)} frames show nobody and are left out')
-    times = list(progress(time_frames(estimator, seen), len(seen), 'timing'))
-    results = bench_results(estimator.model, seen, times)
+    valid = warm_up(estimator, frames)
+    if len(valid) < len(frames):
+        count = f'{len(frames) - len(valid)} of {len(frames)}'
+        _print_note(f'{count} frames show too little of a person and are left out')
+    times = list(progress(time_frames(estimator, valid), len(valid), 'timing'))
+    results = bench_results(estimator.model, valid, times)
     results |= {'model': origin, 'recording': str(arguments.recording or 'synthetic')}
     print(bench_table(results))
     if arguments.json:
@@ -113,7 +114,7 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.recording and (arguments.size or arguments.people):
         msg = (
             f'--size and --people are for synthetic frames; '
-            f'leave them out, or leave {arguments.recording} out'
+            f'omit them, or omit {arguments.recording}'
         )
         raise InputError(msg)
 
@@ -139,7 +140,7 @@ def _synthetic(arguments: argparse.Namespace) -> list[EncodedFrame]:
 
 
 def _model(arguments: argparse.Namespace) -> tuple[Model, str]:
-    """Return the model, and where it comes from."""
+    """Return the model and its origin."""
     if not arguments.model and DEFAULT_MODEL not in shipped_models():
         return _trained(arguments)
     path = find_model(arguments.model)
@@ -148,7 +149,7 @@ def _model(arguments: argparse.Namespace) -> tuple[Model, str]:
 
 def _trained(arguments: argparse.Namespace) -> tuple[Model, str]:
     origin = f'trained in this run on {TRAINING.frames} synthetic frames'
-    _tell(f'no --model is given and none is installed: a small one is {origin}')
+    _print_note(f'no --model is given and none is installed; a small model is {origin}')
     points = arguments.points or Settings().points
     training = TrainingSettings(numbers_of(DEFAULT_JOINTS), Settings(points=points))
     frames = progress(synthetic_frames(TRAINING), TRAINING.frames, 'describing')
@@ -156,14 +157,14 @@ def _trained(arguments: argparse.Namespace) -> tuple[Model, str]:
 
 
 def _settings(settings: Settings, arguments: argparse.Namespace) -> Settings:
-    """Return the model's settings with what the command line says of them."""
+    """Return the settings of the model, overridden by those of the command line."""
     points = arguments.points or settings.points
     queries = arguments.query_points or min(settings.query_points, points)
     if queries > points:
-        msg = f'--query-points {queries} of {points} points cannot be; give {points} or fewer'
+        msg = f'--query-points {queries} of {points} points is too large; the limit is {points}'
         raise InputError(msg)
     return settings._replace(points=points, query_points=queries)
 
 
-def _tell(sentence: str) -> None:
+def _print_note(sentence: str) -> None:
     print(f'lsc_pose: {sentence}', file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`lsc_pose view`: frames of a recording as pictures."""
+"""`lsc_pose view`: draw frames of a recording as PNG files."""
 
 import argparse
 import sys
@@ -24,11 +24,11 @@ from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
 from lsc_pose_ros.viz.stages.shown_body import ShownBody, show_body
 from lsc_pose_ros.viz.stages.stage_sheet import stage_sheet, write_stages
 
-HELP = """Draw frames of a recording on one sheet: depth, silhouette points, the estimated and the
-true skeletons; or, with --stages, one frame on its way through every stage of the method."""
+HELP = """Draw frames of a recording on one sheet: depth, silhouette points, estimated and true
+skeletons; or, with --stages, the results of each stage of the method for one frame."""
 
 DEFAULT_FRAMES = 12
-_MOST_FRAMES = 200  # a sheet with more takes long to draw and cannot be looked at
+_MOST_FRAMES = 200  # a larger sheet takes long to draw, and its panels are too small
 _SUFFIX = '.png'
 
 
@@ -46,7 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         required=True,
         metavar='OUT',
-        help='OUT.png; with --stages also a folder, which gets a picture a stage',
+        help='OUT.png; with --stages alternatively a folder, for one figure per stage',
     )
     which = parser.add_mutually_exclusive_group()
     which.add_argument(
@@ -73,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Draw what `arguments` ask for; return the exit status.
+    """Draw the frames; return the exit status.
 
     Raises:
         InputError: the recording, the model or the output cannot be used.
@@ -117,7 +117,7 @@ def _has_default_model() -> bool:
 
 
 def _needs_model(arguments: argparse.Namespace, reader: FrameReader) -> bool:
-    """Tell whether there is something to draw that only a model knows."""
+    """Return whether the figures need estimates that the recording does not contain."""
     if arguments.stages is not None:
         return True
     if arguments.skeletons_topic or reader.topics.ground_truth or not reader.topics.mask:
@@ -131,26 +131,26 @@ def _frame_number(word: str) -> int:
     except ValueError:
         number = -1
     if number < 0:
-        msg = f'{word!r} is no frame number; frames are counted from 0'
+        msg = f'{word!r} is not a frame number; frames are counted from 0'
         raise argparse.ArgumentTypeError(msg)
     return number
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    """Refuse before the work what would fail after it."""
+    """Check the arguments before the frames are read."""
     output: Path = arguments.output
     if arguments.stages is None and output.suffix != _SUFFIX:
-        msg = f'{output}: the sheet is a PNG file; end its name in {_SUFFIX}'
+        msg = f'{output}: the sheet is a PNG file; its name must end in {_SUFFIX}'
         raise InputError(msg)
     if output.suffix == _SUFFIX and not output.parent.is_dir():
-        msg = f'{output}: there is no folder {output.parent}; make it first'
+        msg = f'{output}: the folder {output.parent} does not exist; create it first'
         raise InputError(msg)
     count = len(arguments.at or ()) or arguments.frames
     if count > _MOST_FRAMES:
-        msg = f'{count} frames are too many for one sheet; {_MOST_FRAMES} are the most'
+        msg = f'{count} frames are too many for one sheet; the limit is {_MOST_FRAMES}'
         raise InputError(msg)
     if arguments.body is not None and arguments.stages is None:
-        msg = '--body goes with --stages; a sheet shows all bodies'
+        msg = '--body needs --stages; a sheet of frames shows all bodies'
         raise InputError(msg)
 
 
@@ -183,13 +183,13 @@ def _estimated(estimator: Estimator, chosen: Sequence[Numbered]) -> dict[int, Sk
 def _recorded(
     arguments: argparse.Namespace, reader: FrameReader, chosen: Sequence[Numbered]
 ) -> dict[int, Skeletons]:
-    """Return the skeletons that the recording holds of the chosen frames, by their numbers."""
+    """Return the recorded skeletons of the chosen frames, by their numbers."""
     recording = read_messages(arguments.recording)
     topic = find_skeletons_topic(recording, arguments.skeletons_topic, reader.topics.ground_truth)
     if not topic:
         return {}
-    answers = read_skeletons_at(recording, topic, {frame.stamp for _, frame in chosen})
-    return {number: answers[frame.stamp] for number, frame in chosen if frame.stamp in answers}
+    recorded = read_skeletons_at(recording, topic, {frame.stamp for _, frame in chosen})
+    return {number: recorded[frame.stamp] for number, frame in chosen if frame.stamp in recorded}
 
 
 def _choose(arguments: argparse.Namespace, reader: FrameReader) -> list[Numbered]:
