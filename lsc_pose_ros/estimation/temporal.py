@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.stages import Observer
 from lsc_pose_ros.settings.table import TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
 from lsc_pose_ros.tracking.tracker import Tracker
@@ -49,6 +50,7 @@ class Sequence:
         depth: NDArray[np.float32],
         labels: NDArray[np.int32],
         camera: Intrinsics,
+        observer: Observer | None = None,
     ) -> Skeletons:
         """Return the joints of every body in a frame, in the order of the bodies' numbers.
 
@@ -57,8 +59,9 @@ class Sequence:
             depth: metres, 0 where the sensor saw nothing, shape (H, W).
             labels: the body number of each pixel, NO_BODY for none, shape (H, W).
             camera: the intrinsics.
+            observer: called when a stage of the estimate has ended, for each body.
         """
-        return self.follow(stamp, self.estimator.estimate(depth, labels, camera))
+        return self.follow(stamp, self.estimator.estimate(depth, labels, camera, observer))
 
     def follow(self, stamp: int, skeletons: Skeletons) -> Skeletons:
         """Return the estimator's answer to a frame with lasting numbers, smoothed, as is set.

@@ -16,10 +16,10 @@ estimate = Estimator.estimate
 
 
 def estimate_slowly(
-    self: Estimator, depth: object, labels: object, camera: Intrinsics
+    self: Estimator, depth: object, labels: object, camera: Intrinsics, observer: object = None
 ) -> Skeletons:
     time.sleep(SECONDS)
-    return estimate(self, depth, labels, camera)
+    return estimate(self, depth, labels, camera, observer)
 
 
 Estimator.estimate = estimate_slowly

@@ -119,6 +119,13 @@ def test_stages_are_timed_frame_by_frame():
     assert measuring.take() == NOTHING
 
 
+def test_stages_of_the_method_are_added_if_they_have_run():
+    measuring = Measuring()
+    measuring.add_stages({'window': 0.25, 'graph': 0.0})
+    measuring.add_stages({'window': 0.5, 'graph': 0.125})
+    assert measuring.take().stages == {'window': [0.25, 0.5], 'graph': [0.125]}
+
+
 def test_a_stage_that_fails_is_not_timed():
     measuring = Measuring()
     with pytest.raises(ValueError, match='bad'), measuring.stage('decode'):

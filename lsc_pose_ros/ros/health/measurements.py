@@ -58,6 +58,13 @@ class Measuring:
         with self._lock:
             self._append(self._stages.setdefault(name, []), seconds)
 
+    def add_stages(self, seconds: dict[str, float]) -> None:
+        """Add the times of one frame's stages, seconds; a stage that did not run has 0."""
+        with self._lock:
+            for name, value in seconds.items():
+                if value > 0:
+                    self._append(self._stages.setdefault(name, []), value)
+
     def answered(self, bodies: int, latency: float) -> None:
         """Count an answer.
 

@@ -7,6 +7,7 @@ from rclpy.node import Node
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
 from lsc_pose_ros.ros.health.stream_warnings import Counters, Situation, complaints
@@ -96,8 +97,12 @@ class Activity:
                 pair, self.inputs.topics, self._parameters.mask_background, self._segmenter
             )
         self._tell_what_is_learnt()
+        clock = StageClock()
         with stage('estimate'):
-            skeletons = self._sequence.answer(frame.stamp, frame.depth, frame.labels, frame.camera)
+            skeletons = self._sequence.answer(
+                frame.stamp, frame.depth, frame.labels, frame.camera, clock
+            )
+        self._diagnostics.measuring.add_stages(clock.seconds)
         with stage('publish'):
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
         self._diagnostics.answered(frame.stamp, len(skeletons.bodies))
