@@ -261,6 +261,7 @@ def scene_with_hand(depth_of_hand: float, column: int) -> np.ndarray:
         (1.4, 38, True),  # at the body's edge
         (1.4, 50, False),  # away from it
         (0.9, 28, False),  # farther before it than an arm is long
+        (2.5, 38, False),  # behind it, at its edge: a part of something else
     ],
 )
 def test_hand_before_a_body_belongs_to_it(

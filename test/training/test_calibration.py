@@ -85,6 +85,24 @@ def test_a_few_people_do_not_overrule_the_other_joints():
     assert 0.3 < found[0, knot] < found[1, knot]
 
 
+def test_the_other_joints_count_as_five_people():
+    """Of the other joints, 600 of 600 are near; of this one, 0 of 3.
+
+    The prior is the fit over all joints. At their vote fraction and above (where it may not fall
+    again) it is 600 of 603, with half a hit in 0.2 people added at each knot. With the weight 5
+    and the three misses it becomes 5 / (5 + 3) of that.
+    """
+    fractions = np.full((300, 3), 0.6, np.float32)
+    near = np.ones_like(fractions)
+    near[:3, 0] = 0
+    near[3:, 0] = np.nan
+    knot = round(0.6 * (KNOTS - 1))
+    knots = KNOTS - knot  # pooled
+    prior = (600 + 0.1 * knots) / (603 + 0.2 * knots)
+    found = fit_calibration(Evidence(fractions, near))
+    assert found[0, knot] == pytest.approx(5 * prior / (5 + 3), abs=1e-3)
+
+
 def test_what_is_not_labelled_does_not_count():
     evidence = made_up(500)
     more = Evidence(

@@ -136,3 +136,20 @@ def test_small_clusters_of_joints_are_not_kept():
         np.testing.assert_array_equal(ours, expected)
     np.testing.assert_allclose(kept[0.4].weight[0], 2 / 3, atol=1e-6)
     assert kept[0.4].start.tolist() == [0, 1, 2]
+
+
+def test_modes_farther_apart_than_half_a_bandwidth_are_two_clusters():
+    """Two groups of offsets, 1.5 bandwidths apart, have modes 0.8 bandwidths apart.
+
+    The modes are at +-x with x = a tanh(2 a x / h^2), a = 0.75 h: x = 0.405 h. A climb stops
+    when it is nearly flat, a little before.
+    """
+    bandwidth = SETTINGS.bandwidth
+    offsets = np.zeros((20, 3), np.float32)
+    offsets[:10, 0] = -0.75 * bandwidth
+    offsets[10:, 0] = 0.75 * bandwidth
+    found, sizes = largest_clusters(offsets, SETTINGS)
+    assert sizes.tolist() == [10, 10]
+    np.testing.assert_allclose(
+        found, np.array([[-0.405, 0, 0], [0.405, 0, 0]]) * bandwidth, atol=0.05 * bandwidth
+    )

@@ -4,20 +4,22 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, joint_errors, summarise
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.synthetic.generator import synthetic_frames
+from lsc_pose_ros.training.criterion import offset_moments
 from lsc_pose_ros.training.samples import (
     Person,
     gather_samples,
+    labelled_people,
     most_samples,
     people_in,
     select_joints,
 )
-from lsc_pose_ros.training.train import GIBIBYTE, limb_lengths, train
+from lsc_pose_ros.training.train import GIBIBYTE, TrainingSettings, limb_lengths, train
 
 
 @pytest.fixture(scope='module')
@@ -193,6 +195,23 @@ def test_memory_does_not_grow_with_the_recording():
     # 10,000 descriptors are 3.6 MB; in full, 1,600 people would be 37 MB.
     assert max(peaks) < 12e6
     assert peaks[1] < 1.3 * peaks[0]
+
+
+def bytes_per_sample(joints):
+    """The memory that `most_samples` reserves for one more sample."""
+    most, less = (most_samples(memory, joints, 360) for memory in (2e12, 1e12))
+    return 1e12 / (most - less)
+
+
+def test_memory_is_reserved_for_the_offsets_to_the_joints_in_reach(people):
+    """A joint in reach takes 17 bytes, twice while a node is split: its number and four floats."""
+    training = TrainingSettings(numbers_of(DEFAULT_JOINTS))
+    found = gather_samples(labelled_people(people[::6], training.joints, training.settings))
+    moments = offset_moments(found.points, found.person, found.joints, training.criterion_reach)
+    per_sample = (moments.joint.nbytes + moments.value.nbytes) / len(found.points)
+    needed_per_joint = 2 * per_sample / len(training.joints)
+    reserved_per_joint = (bytes_per_sample(220) - bytes_per_sample(20)) / 200
+    assert needed_per_joint <= reserved_per_joint <= 2 * needed_per_joint
 
 
 def test_more_memory_holds_more_samples():

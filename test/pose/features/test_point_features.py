@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.pose.features.point_features import feature_size
+from lsc_pose_ros.pose.features.shape_context_2d import describe_in_image
 from lsc_pose_ros.pose.features.shape_context_3d import describe, mean_distance
 from lsc_pose_ros.pose.settings import FEATURES, SAMPLES, Settings
 from lsc_pose_ros.pose.stages import describe_body
@@ -30,6 +31,25 @@ def test_the_papers_feature_is_the_descriptor_of_the_silhouette(people):
     reach = mean_distance(points) * settings.support_radius
     expected = describe(points, np.arange(120), reach, settings.inner_radius)
     np.testing.assert_array_equal(shape.quantised, expected)
+
+
+@pytest.mark.parametrize('support_radius', [0.5, 1.5])
+def test_the_2d_shape_context_reaches_as_far_as_support_radius_says(support_radius, people):
+    """The radius is `support_radius` times the mean distance of the silhouette's pixels."""
+    frame, settings = people[5], Settings(feature='2dsc', support_radius=support_radius, points=80)
+    body = describe_body(frame.depth, frame.labels, frame.camera, 1, settings)
+    silhouette = body.silhouette
+    columns, rows = (
+        pixels[silhouette.chosen].astype(float) for pixels in (silhouette.columns, silhouette.rows)
+    )
+    pairs = np.triu_indices(80, k=1)
+    mean = np.hypot(*((x[:, None] - x[None])[pairs] for x in (columns, rows))).mean()
+    pixels = np.stack([columns, rows], axis=1).astype(np.float32)
+    expected = describe_in_image(
+        pixels, np.arange(80), support_radius * mean, settings.inner_radius
+    )
+    # A pixel's distance may be that of the radius, to the last bit.
+    assert (body.quantised == expected).mean() > 0.99
 
 
 def test_features_change_neither_the_points_nor_their_unit(people):

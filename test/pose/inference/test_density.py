@@ -119,3 +119,20 @@ def test_a_second_hill_is_found_across_the_skirts_of_the_first(seed: int) -> Non
     assert len(modes) == 2
     np.testing.assert_allclose(modes[0], [0, 0, 0], atol=0.4 * BANDWIDTH)
     np.testing.assert_allclose(modes[1], [0.4, 0, 0], atol=0.2 * BANDWIDTH)
+
+
+def test_votes_near_an_earlier_start_start_no_climb() -> None:
+    """The third vote climbs to the first mode; the first vote alone leads to another hill.
+
+    The first vote is less than a bandwidth from the third, so that it starts no climb.
+    """
+    votes = np.zeros((5, 3), np.float32)
+    votes[:, 0] = np.array([1.3, 2.6, 1.7, 2.3, 2.8]) * BANDWIDTH
+    votes[:, 1] = np.array([0.0, 2.5, 0.7, 1.8, 1.6]) * BANDWIDTH
+    weights = np.array([0.9, 0.8, 0.4, 1.0, 0.8], np.float32)
+    mode = [2.507 * BANDWIDTH, 1.872 * BANDWIDTH, 0]
+    near = {'rtol': 0, 'atol': 0.15 * BANDWIDTH}  # a climb stops when it is nearly flat
+    np.testing.assert_allclose(find_modes(cloud(votes, weights), BANDWIDTH, 2), [mode], **near)
+    climbed = [climb(vote, cloud(votes, weights), BANDWIDTH) for vote in votes]
+    np.testing.assert_allclose(climbed[2], mode, **near)
+    np.testing.assert_allclose(climbed[0], [1.48 * BANDWIDTH, 0.297 * BANDWIDTH, 0], **near)
