@@ -90,29 +90,17 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog='models/make.py', description=__doc__)
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument('name', nargs='?', choices=list(RECIPES), default='default')
-    parser.add_argument(
-        '--directory',
-        type=Path,
-        default=HERE.parent / 'build' / 'model',
-        metavar='DIR',
-        help='folder of the recordings and intermediate models (default: %(default)s)',
-    )
-    parser.add_argument(
-        '--target',
-        type=Path,
-        default=HERE,
-        metavar='DIR',
-        help='folder of the finished model and its figures (default: %(default)s)',
-    )
-    parser.add_argument(
-        '--mocap',
-        type=Path,
-        metavar='DIR',
-        help='folder of motion capture (BVH) for half of the people',
-    )
-    parser.add_argument(
-        '--mapping', type=Path, metavar='FILE', help='mapping of the joints of the motion capture'
-    )
+    for option, default, what in (
+        (
+            '--directory',
+            HERE.parent / 'build' / 'model',
+            'folder of the recordings and intermediate models (default: %(default)s)',
+        ),
+        ('--target', HERE, 'folder of the finished model and its figures (default: %(default)s)'),
+        ('--mocap', None, 'folder of motion capture (BVH) for half of the people'),
+        ('--mapping', None, 'mapping file of the joints of the motion capture'),
+    ):
+        parser.add_argument(option, type=Path, default=default, metavar='PATH', help=what)
     parser.add_argument(
         '--scale',
         type=float,

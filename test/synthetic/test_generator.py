@@ -1,4 +1,4 @@
-"""Synthetic frames as a whole: what is in them, and that a seed says all about them."""
+"""Tests the synthetic frames: their contents, and that they depend only on the settings."""
 
 import math
 import time
@@ -117,9 +117,9 @@ def test_first_frames_do_not_depend_on_the_number_of_frames(noisy_frames: list[F
 
 
 def test_frames_equal_recorded_values(clean_frames: list[Frame]) -> None:
-    """Numbers noted once: a seed means the same frames on every machine and in every version.
+    """The values were recorded once: a seed gives the same frames on each machine and version.
 
-    Changing the generator on purpose changes them; take down the new ones then.
+    An intended change of the generator changes them; record the new ones then.
     """
     frame = clean_frames[5]
     joints = positions_of(frame)
@@ -130,7 +130,7 @@ def test_frames_equal_recorded_values(clean_frames: list[Frame]) -> None:
 
 
 def bones_of(frames: list[Frame]) -> np.ndarray:
-    """The lengths of the left thigh, which tell people apart."""
+    """Return the length of the left thigh in each frame, which identifies people."""
     joints = [positions_of(frame) for frame in frames]
     return np.array([np.linalg.norm(each['l_hip'] - each['l_knee']) for each in joints])
 
@@ -167,8 +167,8 @@ def test_joints_are_on_the_mask_and_behind_the_skin() -> None:
         assert (behind > -0.003).all()
         depths.append(behind)
         assert seen[JOINT_NUMBERS['torso']]
-    assert inside > 0.985 * 60 * 20  # a hand, seen edge on, is narrower than a pixel or two
-    # What hides a joint from behind another limb is farther from it.
+    assert inside > 0.985 * 60 * 20  # a hand seen edge-on is only one or two pixels wide
+    # Joints that another limb hides are deeper.
     assert np.median(np.concatenate(depths)) < 0.12
 
 
@@ -180,7 +180,7 @@ def test_left_side_of_people_who_face_the_camera_is_at_image_right() -> None:
 
 
 def test_yaw_is_limited() -> None:
-    """The line through the hips tells where a person faces, but for some turning of the pelvis."""
+    """The line through the hips gives the yaw, except for some rotation of the pelvis."""
     angles = []
     for frame in synthetic_frames(SyntheticSettings(frames=60, clip_length=6, yaw=40.0)):
         joints = positions_of(frame)
@@ -218,13 +218,13 @@ def test_cropped_people_touch_the_image_edge() -> None:
 
 
 def camera_height_of(settings: SyntheticSettings) -> float:
-    """The camera's height over the floor, as the lowest of all that is seen tells it."""
+    """Return the camera's height above the lowest visible point."""
     (frame,) = synthetic_frames(settings)
     rows, columns = np.nonzero(frame.labels == 1)
     z = frame.depth[rows, columns]
     y = (rows - frame.camera.cy) / frame.camera.fy * z
     angle = math.radians(settings.camera_tilt[0])
-    # Into the level frame, whose y points down.
+    # In the level frame, y points down.
     return float((math.cos(angle) * y + math.sin(angle) * z).max())
 
 
@@ -248,7 +248,7 @@ def test_several_people_are_numbered_and_hide_each_other() -> None:
         for number, positions in enumerate(frame.ground_truth.positions, start=1):
             columns, rows = np.rint(project(positions, frame.camera)).astype(int).T
             others = (frame.labels[rows, columns] != number) & (frame.depth[rows, columns] > 0)
-            # Whoever else is seen there stands before the joint.
+            # Another person at this pixel is in front of the joint.
             assert (frame.depth[rows, columns][others] < positions[others, 2]).all()
             hidden += int(others.sum())
     assert hidden > 0
@@ -271,7 +271,7 @@ def test_background_does_not_change_the_people() -> None:
         np.testing.assert_array_equal(
             with_room.ground_truth.positions, without.ground_truth.positions
         )
-        # The lowest few millimetres of a sole may be under the floor.
+        # The lowest few millimetres of a sole can be below the floor.
         assert (with_room.labels != without.labels).mean() < 2e-4
         people = with_room.labels != NO_BODY
         np.testing.assert_array_equal(with_room.depth[people], without.depth[people])
@@ -327,7 +327,7 @@ def test_invalid_settings_are_refused(change: dict[str, object], words: str) -> 
     with pytest.raises(InputError, match=words):
         check(settings)
     with pytest.raises(InputError, match=words):
-        synthetic_frames(settings)  # at once, not at the first frame
+        synthetic_frames(settings)  # when called, not at the first frame
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Who synthetic people are and what they wear."""
+"""Tests the sampled bodies and clothes."""
 
 import numpy as np
 import pytest
@@ -45,7 +45,7 @@ def regions(body: BodyModel) -> ClothesRegions:
 
 
 def sampled(population: Population, count: int = 400) -> np.ndarray:
-    """Ages, sexes and statures, shape (count, 3)."""
+    """Return sampled ages, sexes and statures, shape (count, 3)."""
     random = source(2)
     return np.array([sample_stature(population, random) for _ in range(count)])
 
@@ -93,7 +93,7 @@ def test_people_have_the_sampled_stature(body: BodyModel) -> None:
 def test_each_sampled_build_is_valid(body: BodyModel, age: float) -> None:
     for seed in range(20):
         body_shape = sample_build(body, age, seed % 2, source(seed))
-        shape_body(body, body_shape)  # refuses what is out of range
+        shape_body(body, body_shape)  # refuses values out of range
         assert 0.1 <= body_shape.weight <= 0.95
         assert set(body_shape.measures) == set(body.measures)
 
@@ -119,9 +119,9 @@ def naive_normals(vertices: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 def test_normals_agree_with_the_equation(body: BodyModel, people: list[RestBody]) -> None:
     random = np.random.default_rng(3)
     vertices = random.normal(size=(40, 3))
-    vertices[7] = vertices[8] = vertices[9]  # triangles that are points and lines
+    vertices[7] = vertices[8] = vertices[9]  # degenerate triangles
     triangles = random.integers(0, 40, (60, 3)).astype(np.uint16)
-    triangles[(triangles == 39).any(axis=1)] = (7, 8, 9)  # vertex 39 is in none
+    triangles[(triangles == 39).any(axis=1)] = (7, 8, 9)  # vertex 39 has no triangle
     expected = naive_normals(vertices, triangles)
     np.testing.assert_allclose(vertex_normals(vertices, triangles), expected, atol=1e-12)
     assert not expected[39].any()

@@ -1,4 +1,4 @@
-"""A seed gives the same frames with every version of Python, numpy and numba."""
+"""Tests that a seed gives the same frames with each version of Python, numpy and numba."""
 
 import os
 import shutil
@@ -32,7 +32,7 @@ print(sys.version_info[:2], digest.hexdigest())
 
 
 def other_pythons() -> list[str]:
-    """Other Pythons, named in LSC_POSE_PYTHONS or on the path, that have what it takes."""
+    """Return other Pythons, in LSC_POSE_PYTHONS or on the path, that have the requirements."""
     named = os.environ.get('LSC_POSE_PYTHONS', '').split(os.pathsep)
     named += [shutil.which(f'python3.{minor}') or '' for minor in range(10, 14)]
     needed = 'import numba, numpy, yaml'

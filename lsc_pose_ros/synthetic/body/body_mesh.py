@@ -339,7 +339,7 @@ def blend_skin(
                 break
             bone = bones[vertex, influence]
             for row in range(3):
-                turned = orientations[bone, row, 0] * x + orientations[bone, row, 1] * y
-                turned += orientations[bone, row, 2] * z + shifts[bone, row]
-                posed[vertex, row] += weight * turned
+                rotated = orientations[bone, row, 0] * x + orientations[bone, row, 1] * y
+                rotated += orientations[bone, row, 2] * z + shifts[bone, row]
+                posed[vertex, row] += weight * rotated
     return posed

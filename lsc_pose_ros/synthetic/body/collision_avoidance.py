@@ -141,14 +141,7 @@ def resolve_pose(
             bone = bones[capsule]
             for end in range(2):
                 posed[capsule, end] = heads[bone] + rotated(orientations[bone], ends[capsule, end])
-        deepest, worst = 1e-4, -1
-        for pair in range(len(pairs)):
-            one, other = pairs[pair]
-            touching = nearest_points(posed[one], posed[other])
-            gap = touching[0] - touching[1]
-            depth = radii[one] + radii[other] - allowed[pair] - np.sqrt((gap * gap).sum())
-            if depth > deepest:
-                deepest, worst = depth, pair
+        worst, deepest = deepest_pair(posed, radii, pairs, allowed)
         if worst < 0:
             return
         one, other = pairs[worst]
@@ -167,6 +160,25 @@ def resolve_pose(
         # In the parent's axes the same rotation is P^T Q P.
         local = rotated(parent.T, axis / lever)
         rotations[root] = product(rotation_about(local, angle), rotations[root])
+
+
+@kernel
+def deepest_pair(
+    posed: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    pairs: NDArray[np.int64],
+    allowed: NDArray[np.float64],
+) -> tuple[int, float]:
+    """Return the pair of capsules with the deepest penetration, -1 for none, and its depth."""
+    deepest, worst = 1e-4, -1
+    for pair in range(len(pairs)):
+        one, other = pairs[pair]
+        touching = nearest_points(posed[one], posed[other])
+        gap = touching[0] - touching[1]
+        depth = radii[one] + radii[other] - allowed[pair] - np.sqrt((gap * gap).sum())
+        if depth > deepest:
+            deepest, worst = depth, pair
+    return worst, deepest
 
 
 @kernel

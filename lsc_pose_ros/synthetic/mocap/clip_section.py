@@ -82,8 +82,8 @@ def within_yaw(
     middle = (heading.max() + heading.min()) / 2
     half = float(np.ptp(heading)) / 2
     spare = widest - half
-    turned = (heading - middle) * (1.0 if spare >= 0 else widest / half)
+    centred = (heading - middle) * (1.0 if spare >= 0 else widest / half)
     if widest >= np.pi:
         return np.asarray(heading - middle + np.pi * (2 * uniform - 1))
-    moved = turned + max(spare, 0.0) * (2 * uniform - 1)
+    moved = centred + max(spare, 0.0) * (2 * uniform - 1)
     return np.asarray(np.clip(moved, -widest, widest))

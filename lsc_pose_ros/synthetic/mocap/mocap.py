@@ -140,14 +140,15 @@ class Mocap:
         taken = [reference_joints(np.broadcast_to(np.eye(3), (1, len(SEGMENTS), 3, 3)))[0]]
         orientations, shoulders = [], True
         for uniforms in random.random((count, _CANDIDATES, _MAX_TRIES, 2)):
-            drawn, frames = zip(*(self._sample_pose(tries) for tries in uniforms), strict=True)
+            sampled, frames = zip(*(self._sample_pose(tries) for tries in uniforms), strict=True)
             poses = [
-                cached.reference_joints[frame] for cached, frame in zip(drawn, frames, strict=True)
+                cached.reference_joints[frame]
+                for cached, frame in zip(sampled, frames, strict=True)
             ]
             differences = [pose_distance(pose, np.array(taken)) for pose in poses]
             best = int(np.argmax(np.round(differences, 6)))
             taken.append(poses[best])
-            clip = drawn[best].clip
+            clip = sampled[best].clip
             orientations.append(clip.orientations[frames[best]])
             shoulders &= clip.shoulders
         return ClipSection(np.array(orientations, np.float64), np.zeros(count), shoulders)
@@ -167,12 +168,14 @@ class Mocap:
     def _sample_section(self, count: int, rate: float, random: np.random.Generator) -> ClipSection:
         """Sample a section of a clip, and append others if it is too short."""
         blend = max(1, round(_BLEND_SECONDS * rate))
-        drawn = self._sample_clip_part(count, rate, random)
-        while len(drawn.orientations) < count:
-            more = self._sample_clip_part(count - len(drawn.orientations) + blend, rate, random)
-            drawn = join(drawn, more, min(blend, len(drawn.orientations), len(more.orientations)))
-        return drawn._replace(
-            orientations=drawn.orientations[:count], heading=drawn.heading[:count]
+        sampled = self._sample_clip_part(count, rate, random)
+        while len(sampled.orientations) < count:
+            more = self._sample_clip_part(count - len(sampled.orientations) + blend, rate, random)
+            sampled = join(
+                sampled, more, min(blend, len(sampled.orientations), len(more.orientations))
+            )
+        return sampled._replace(
+            orientations=sampled.orientations[:count], heading=sampled.heading[:count]
         )
 
     def _sample_clip_part(

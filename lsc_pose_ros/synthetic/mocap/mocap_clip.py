@@ -108,14 +108,14 @@ class _Capture:
         if mapping.neutral is not None:
             neutral = bvh.values[mapping.neutral : mapping.neutral + 1]
         start = joint_poses(bvh._replace(values=neutral))
-        placed: JointPoses = joint_poses(bvh._replace(values=values))
+        captured: JointPoses = joint_poses(bvh._replace(values=values))
         self._numbers = {name: number for number, name in enumerate(bvh.names)}
         self._orientations = (
             mapping.axes
-            @ (placed.orientations @ start.orientations[0].transpose(0, 2, 1))
+            @ (captured.orientations @ start.orientations[0].transpose(0, 2, 1))
             @ mapping.axes.T
         )
-        self._positions = placed.positions @ mapping.axes.T
+        self._positions = captured.positions @ mapping.axes.T
         self._start = start.positions[0] @ mapping.axes.T
 
     def orientation(self, name: str) -> NDArray[np.float64]:
@@ -256,9 +256,9 @@ def _is_steady(
 ) -> NDArray[np.bool_]:
     """Return which frames differ from their neighbours by no more than people can move."""
     cosine = np.abs((quaternions[1:] * quaternions[:-1]).sum(axis=-1))
-    turned = 2 * np.arccos(np.clip(cosine, 0.0, 1.0)).max(axis=1)
-    turned = np.maximum(turned, np.abs(np.diff(heading)))
-    jumps = np.round(turned * rate, 6) > np.radians(_FASTEST)
+    angles = 2 * np.arccos(np.clip(cosine, 0.0, 1.0)).max(axis=1)
+    angles = np.maximum(angles, np.abs(np.diff(heading)))
+    jumps = np.round(angles * rate, 6) > np.radians(_FASTEST)
     steady = np.ones(len(quaternions), np.bool_)
     steady[1:] &= ~jumps
     steady[:-1] &= ~jumps

@@ -15,13 +15,13 @@ class FootPlacement(NamedTuple):
     """Position of a foot on the floor.
 
     Attributes:
-        aside: outwards from the middle between the feet, in leg lengths.
+        lateral: outwards from the middle between the feet, in leg lengths.
         ahead: forwards from there, in leg lengths.
         heading: direction of the toes, radians, positive outwards.
         pitch: how far the heel is lifted, radians.
     """
 
-    aside: float
+    lateral: float
     ahead: float
     heading: float
     pitch: float = 0.0
@@ -47,17 +47,19 @@ def place_under_mass(
         ahead: offset of the centre of mass forwards, in leg lengths.
     """
     length = rig.leg[0] + rig.leg[1]
-    aside, forwards = _centre_of_mass(rig, angles) / length - (shift, ahead)
+    lateral, forwards = _centre_of_mass(rig, angles) / length - (shift, ahead)
     left, right = placements
     moved = (
-        left._replace(aside=left.aside + aside, ahead=left.ahead + forwards),
-        right._replace(aside=right.aside - aside, ahead=right.ahead + forwards),
+        left._replace(lateral=left.lateral + lateral, ahead=left.ahead + forwards),
+        right._replace(lateral=right.lateral - lateral, ahead=right.ahead + forwards),
     )
     pelvis = _pelvis_orientation(angles)
     heights = []
     for placement, sign in zip(moved, (1.0, -1.0), strict=True):
         hip = rotated(pelvis, rig.hip * np.array([sign, 1.0, 1.0]))
-        off = np.hypot(sign * placement.aside * length - hip[0], placement.ahead * length - hip[2])
+        off = np.hypot(
+            sign * placement.lateral * length - hip[0], placement.ahead * length - hip[2]
+        )
         below = np.sqrt(max((stretch * length) ** 2 - off**2, (0.3 * length) ** 2))
         heights.append(below + _ankle_height(rig, placement) - hip[1])
     place_feet(rig, angles, moved, min(heights))
@@ -75,7 +77,7 @@ def place_feet(
     for side, (placement, sign) in enumerate(zip(placements, (1.0, -1.0), strict=True)):
         ankle = np.array(
             [
-                sign * placement.aside * length,
+                sign * placement.lateral * length,
                 _ankle_height(rig, placement) - height,
                 placement.ahead * length,
             ]

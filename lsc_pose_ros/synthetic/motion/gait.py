@@ -71,8 +71,8 @@ def _at(
 
 def _arm_swing(forwards: float, running: float, hand: float) -> NDArray[np.float64]:
     """Return plane, elevation, axial, elbow and pronation of an arm that swings at the side."""
-    aside = np.radians(9 + 9 * running)
-    elevation = np.hypot(aside, forwards)
-    plane = np.arctan2(forwards, aside)
+    lateral = np.radians(9 + 9 * running)
+    elevation = np.hypot(lateral, forwards)
+    plane = np.arctan2(forwards, lateral)
     elbow = np.radians(18 + 68 * running) + hand + 0.5 * max(forwards, 0.0)
     return np.array([plane, elevation, np.radians(-10 - 10 * running), elbow, np.radians(15.0)])

@@ -249,11 +249,11 @@ def solve_left_leg(
     sine = np.sqrt(1 - cosine * cosine)
     up = _blend(-cosine, u, -sine, pole)
     front = _blend(cosine, pole, -sine, u)
-    aside = _cross(up, front)
+    lateral = _cross(up, front)
     # The rotation with these columns is Rx(-flexion) Rz(abduction) Ry(rotation).
     leg[_ABDUCTION] = np.arcsin(min(max(-up[0], -1.0), 1.0))
     leg[_FLEXION] = np.arctan2(-up[2], up[1])
-    leg[_ROTATION] = np.arctan2(front[0], aside[0])
+    leg[_ROTATION] = np.arctan2(front[0], lateral[0])
     leg[_KNEE] = np.arccos(min(max((d * d - a * a - b * b) / (2 * a * b), -1.0), 1.0))
     _limit_leg(leg)
     level_foot(leg, pelvis, pitch)

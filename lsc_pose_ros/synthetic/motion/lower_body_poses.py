@@ -52,7 +52,7 @@ _LIFTED_LEG_POSTURES: tuple[tuple[float, Posture], ...] = (
     (0.20, {  # kick
         'hip_flexion': (58, 22), 'hip_abduction': (5, 10), 'knee': (15, 12), 'ankle': (15, 12),
     }),
-    (0.16, {  # aside
+    (0.16, {  # sideways
         'hip_flexion': (8, 14), 'hip_abduction': (36, 9), 'hip_rotation': (8, 12),
         'knee': (12, 14), 'ankle': (10, 10),
     }),
@@ -271,9 +271,9 @@ _LOWER_BODY_KINDS: tuple[tuple[float, tuple[str, _Sampler]], ...] = (
 
 
 def _foot(
-    aside: float, ahead: float, stream: RandomStream, heading: float = 8.0, heel: float = 0.0
+    lateral: float, ahead: float, stream: RandomStream, heading: float = 8.0, heel: float = 0.0
 ) -> FootPlacement:
     """Return a placement, toes out by about `heading`, heel lifted by `heel`, degrees."""
     return FootPlacement(
-        aside, ahead, float(np.radians(stream.normal(heading, 8))), float(np.radians(heel))
+        lateral, ahead, float(np.radians(stream.normal(heading, 8))), float(np.radians(heel))
     )

@@ -90,43 +90,62 @@ def draw_triangles(
     body: int,
     image: DepthImage,
 ) -> None:
-    """Draw triangles into `image`, whose depth is infinite in empty pixels.
-
-    On a plane, 1/z is linear in the image: 1/z = sum_i w_i / z_i with the barycentric weights w.
-    """
-    height, width = image.depth.shape
+    """Draw triangles into `image`, whose depth is infinite in empty pixels."""
     for triangle in range(len(triangles)):
         a, b, c = triangles[triangle, 0], triangles[triangle, 1], triangles[triangle, 2]
         if corners[a, 2] + corners[b, 2] + corners[c, 2] < 3:
             continue
         ax, ay, bx, by = corners[a, 0], corners[a, 1], corners[b, 0], corners[b, 1]
         cx, cy = corners[c, 0], corners[c, 1]
-        # Most triangles are small and contain no centre of a pixel.
-        left = max(-(-min(ax, bx, cx) // SUBPIXELS), 0)
-        right = min(max(ax, bx, cx) // SUBPIXELS, width - 1)
-        top = max(-(-min(ay, by, cy) // SUBPIXELS), 0)
-        bottom = min(max(ay, by, cy) // SUBPIXELS, height - 1)
-        if left > right or top > bottom:
-            continue
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-        if area == 0:
-            continue
-        if area < 0:  # seen from behind
-            b, bx, by, c, cx, cy = c, cx, cy, b, bx, by
-            area = -area
-        inverse_a = 1.0 / (area * vertices[a, 2])
-        inverse_b = 1.0 / (area * vertices[b, 2])
-        inverse_c = 1.0 / (area * vertices[c, 2])
-        for row in range(top, bottom + 1):
-            y = row * SUBPIXELS
-            for column in range(left, right + 1):
-                x = column * SUBPIXELS
-                of_a = (cx - bx) * (y - by) - (cy - by) * (x - bx)
-                of_b = (ax - cx) * (y - cy) - (ay - cy) * (x - cx)
-                of_c = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
-                if of_a < 0 or of_b < 0 or of_c < 0:
-                    continue
-                z = np.float32(1.0 / (of_a * inverse_a + of_b * inverse_b + of_c * inverse_c))
-                if z < image.depth[row, column]:
-                    image.depth[row, column] = z
-                    image.labels[row, column] = body
+        if area > 0:
+            depths = (vertices[a, 2], vertices[b, 2], vertices[c, 2])
+            draw_triangle((ax, ay, bx, by, cx, cy), depths, area, body, image)
+        elif area < 0:  # seen from behind
+            depths = (vertices[a, 2], vertices[c, 2], vertices[b, 2])
+            draw_triangle((ax, ay, cx, cy, bx, by), depths, -area, body, image)
+
+
+@exact_kernel
+def draw_triangle(
+    corners: tuple[int, int, int, int, int, int],
+    depths: tuple[float, float, float],
+    area: int,
+    body: int,
+    image: DepthImage,
+) -> None:
+    """Draw one triangle into `image`.
+
+    On a plane, 1/z is linear in the image: 1/z = sum_i w_i / z_i with the barycentric weights w.
+
+    Args:
+        corners: columns and rows of the corners in 1/SUBPIXELS.
+        depths: z of the corners, metres.
+        area: twice the triangle's area, which is positive.
+        body: the label.
+        image: the image.
+    """
+    ax, ay, bx, by, cx, cy = corners
+    height, width = image.depth.shape
+    # Most triangles are small and contain no centre of a pixel.
+    left = max(-(-min(ax, bx, cx) // SUBPIXELS), 0)
+    right = min(max(ax, bx, cx) // SUBPIXELS, width - 1)
+    top = max(-(-min(ay, by, cy) // SUBPIXELS), 0)
+    bottom = min(max(ay, by, cy) // SUBPIXELS, height - 1)
+    if left > right or top > bottom:
+        return
+    inverse_a, inverse_b = 1.0 / (area * depths[0]), 1.0 / (area * depths[1])
+    inverse_c = 1.0 / (area * depths[2])
+    for row in range(top, bottom + 1):
+        y = row * SUBPIXELS
+        for column in range(left, right + 1):
+            x = column * SUBPIXELS
+            of_a = (cx - bx) * (y - by) - (cy - by) * (x - bx)
+            of_b = (ax - cx) * (y - cy) - (ay - cy) * (x - cx)
+            of_c = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+            if of_a < 0 or of_b < 0 or of_c < 0:
+                continue
+            z = np.float32(1.0 / (of_a * inverse_a + of_b * inverse_b + of_c * inverse_c))
+            if z < image.depth[row, column]:
+                image.depth[row, column] = z
+                image.labels[row, column] = body

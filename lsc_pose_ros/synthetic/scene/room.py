@@ -90,10 +90,7 @@ def draw_box(
 ) -> None:
     """Draw one box, in a range of pixels, if it is nearer than what is already drawn.
 
-    With the camera at o and the ray's direction d in the box's axes, the ray t (x, y, 1) crosses
-    the box's two planes of an axis at t = (-half - o) / d and (half - o) / d. It enters the box at
-    the largest of the nearer crossings and leaves it at the smallest of the farther ones. From
-    inside, the point at which the ray leaves is visible.
+    A pixel's ray is t (x, y, 1). From inside, the point at which it leaves the box is visible.
     """
     cosine, sine = room.rotations[box, 0], room.rotations[box, 1]
     cx, cy, cz = -room.centres[box, 0], -room.centres[box, 1], -room.centres[box, 2]
@@ -106,16 +103,7 @@ def draw_box(
             level_y = tilt[0, 1] * x + tilt[1, 1] * y + tilt[2, 1]
             level_z = tilt[0, 2] * x + tilt[1, 2] * y + tilt[2, 2]
             ray = (cosine * level_x - sine * level_z, level_y, sine * level_x + cosine * level_z)
-            enters, leaves = -math.inf, math.inf
-            for axis in range(3):
-                half, start, direction = room.halves[box, axis], origin[axis], ray[axis]
-                if direction == 0.0:
-                    if abs(start) > half:
-                        leaves = -math.inf
-                    continue
-                first, last = (-half - start) / direction, (half - start) / direction
-                enters = max(enters, min(first, last))
-                leaves = min(leaves, max(first, last))
+            enters, leaves = cross_box(origin, ray, room.halves[box])
             depth = np.float32(enters if enters > 0.0 else leaves)
             if enters > leaves or not depth > 0.0:
                 continue
@@ -123,6 +111,38 @@ def draw_box(
             if drawn == 0.0 or depth < drawn:
                 image.depth[row, column] = depth
                 image.labels[row, column] = NO_BODY
+
+
+@exact_kernel
+def cross_box(
+    origin: tuple[float, float, float],
+    ray: tuple[float, float, float],
+    halves: NDArray[np.float64],
+) -> tuple[float, float]:
+    """Return the parameters t at which a ray o + t d enters and leaves a box.
+
+    It crosses the two planes of an axis at t = (-half - o) / d and (half - o) / d. It enters the
+    box at the largest of the nearer crossings and leaves it at the smallest of the farther ones.
+
+    Args:
+        origin: o in the box's frame, metres.
+        ray: d in the box's frame.
+        halves: half sizes of the box, metres, shape (3,).
+
+    Returns:
+        Both parameters; the ray misses the box if the first is larger.
+    """
+    enters, leaves = -math.inf, math.inf
+    for axis in range(3):
+        half, start, direction = halves[axis], origin[axis], ray[axis]
+        if direction == 0.0:
+            if abs(start) > half:
+                leaves = -math.inf
+            continue
+        first, last = (-half - start) / direction, (half - start) / direction
+        enters = max(enters, min(first, last))
+        leaves = min(leaves, max(first, last))
+    return enters, leaves
 
 
 _Box = tuple[NDArray[np.float64], NDArray[np.float64], float]

@@ -173,11 +173,7 @@ def expose(
     for row in range(height):
         for column in range(width):
             y, x = row + shifts[0, row, column], column + shifts[1, row, column]
-            above, below = nearest_pixel(y - half, height), nearest_pixel(y + half, height)
-            left, right = nearest_pixel(x - half, width), nearest_pixel(x + half, width)
-            a, b = depth[above, left], depth[above, right]
-            c, d = depth[below, left], depth[below, right]
-            if max(a, b, c, d) - min(a, b, c, d) > MIXED_PIXEL_DEPTH:
+            if depth_difference(depth, y, x, half) > MIXED_PIXEL_DEPTH:
                 if drop[row, column] < sensor.filtered_fraction:
                     continue
                 z, at_row, at_column = mix_surfaces(depth, (y, x), half, fields.gap)
@@ -197,12 +193,24 @@ def expose(
 
 
 @exact_kernel
+def depth_difference(depth: NDArray[np.float32], row: float, column: float, half: float) -> float:
+    """Return the range of depth at the corners of a square around a position, metres."""
+    height, width = depth.shape
+    above, below = nearest_pixel(row - half, height), nearest_pixel(row + half, height)
+    left, right = nearest_pixel(column - half, width), nearest_pixel(column + half, width)
+    a, b = depth[above, left], depth[above, right]
+    c, d = depth[below, left], depth[below, right]
+    difference: float = max(a, b, c, d) - min(a, b, c, d)
+    return difference
+
+
+@exact_kernel
 def noise_deviation(sensor: TimeOfFlight, z: float, tilt: float) -> float:
     """Return the deviation of the noise at a distance and the tangent of an angle."""
     angle = min(math.atan(tilt), MAX_ANGLE)
-    turned = angle / (0.5 * math.pi - angle)
+    ratio = angle / (0.5 * math.pi - angle)
     straight = sensor.constant + sensor.linear * z + sensor.square * z * z
-    return straight + sensor.tilted * z * math.sqrt(z) * turned * turned
+    return straight + sensor.tilted * z * math.sqrt(z) * ratio * ratio
 
 
 @exact_kernel

@@ -109,9 +109,8 @@ def see_surfaces(
     """Write 1/z, negative if the pixel is lost by occlusion, angle, range or dropout.
 
     The second viewpoint sees a pixel of column u at u - fx baseline / z. If it sees two surfaces
-    of a row in another order than the camera, the farther one counts as hidden. That is the exact
-    shadow except for objects that are thinner than their shadow, and the ordering constraint of
-    matching.
+    of a row in another order than the camera, the farther one counts as hidden: the ordering
+    constraint, which is exact except for objects that are thinner than their shadow.
     """
     height, width = depth.shape
     move = camera.fx * sensor.baseline
@@ -127,9 +126,8 @@ def see_surfaces(
                 continue
             inverse_depth[row, column] = -1.0 / z
             position = column - move / z
-            hidden = position > leftmost - HALF_PIXEL or (
-                sensor.cameras == 2 and position < -HALF_PIXEL
-            )
+            outside = sensor.cameras == 2 and position < -HALF_PIXEL
+            hidden = outside or position > leftmost - HALF_PIXEL
             leftmost = min(leftmost, position)
             if hidden or z < depth_range.nearest:
                 continue

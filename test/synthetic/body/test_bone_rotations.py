@@ -1,4 +1,4 @@
-"""What clinical angles do to a body: each turns the right thing the right way."""
+"""Tests that each clinical angle rotates the right part in the right direction."""
 
 import numpy as np
 import pytest
@@ -78,7 +78,7 @@ def test_zero_angles_give_the_standing_pose(body, rest):
     ]
     others = np.setdiff1d(np.arange(len(body.bones)), shoulders)
     np.testing.assert_allclose(rotations[others], expected[others], atol=1e-12)
-    # Shoulders drop a little from where half raised arms hold them.
+    # Shoulders are slightly lower than with half raised arms.
     cosine = (np.trace(rotations[shoulders[0]]) - 1) / 2
     assert 1 < np.degrees(np.arccos(cosine)) < 6
 
@@ -143,7 +143,7 @@ def test_fingers_close_towards_the_palm(body, rest):
     moved = heads[45] - heads[0]
     length = np.linalg.norm(rest.heads[rig.numbers['finger3-3.L']]
                             - rest.heads[rig.numbers['finger3-1.L']])  # fmt: skip
-    assert moved[0] < -0.2 * length  # the left palm faces to the right
+    assert moved[0] < -0.2 * length  # the left palm faces right
     assert moved[1] > 0.4 * length
 
 
@@ -170,7 +170,7 @@ def test_mirrored_angles_give_the_mirror_image(body, rest):
         one, other = pose_rotations(rig, np.stack([angles, mirrored(angles)]))
         joints = pose_body(body, rest, one, np.zeros(3)).joints
         mirror = pose_body(body, rest, other, np.zeros(3)).joints
-        # The body itself is as good as symmetrical.
+        # The body itself is almost symmetric.
         np.testing.assert_allclose(mirror, joints[swapped] * [-1, 1, 1], atol=0.004)
         np.testing.assert_array_equal(mirrored(mirrored(angles)), angles)
 

@@ -1,4 +1,4 @@
-"""Limbs that go through the body are moved out of it."""
+"""Tests that limbs that penetrate the body are moved out of it."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def stout(body: BodyModel) -> RestBody:
 
 
 def pose(body, rest, degrees, elbow=0.0):
-    """Arms hang, moved sideways by `degrees` out or, if negative, into the body."""
+    """Return hanging arms, rotated by `degrees` outwards or, if negative, into the body."""
     orientations = standing_orientations(body, rest)
     for number, name in enumerate(body.bones):
         arm = name.startswith(('upperarm', 'lowerarm', 'wrist', 'finger', 'metacarpal'))
@@ -50,14 +50,14 @@ def pose(body, rest, degrees, elbow=0.0):
 
 
 def deepest(body, rest, rotations):
-    """How far arms are in the trunk or the legs, metres, by sampling the capsules' axes."""
+    """Return how far arms penetrate trunk or legs, metres, by sampling the capsules' axes."""
     capsules = fit_capsules(body, rest, rig_of(body, rest))
     orientations, heads = forward_kinematics(rotations, body.parents, rest.heads)
-    shares = np.linspace(0, 1, 60)[:, None]
+    fractions = np.linspace(0, 1, 60)[:, None]
     axes = []
     for bone, ends in zip(capsules.bones, capsules.ends, strict=True):
         start, end = heads[bone] + ends @ orientations[bone].T
-        axes.append(start + shares * (end - start))
+        axes.append(start + fractions * (end - start))
     depths = []
     for (one, other), allowed in zip(capsules.pairs, capsules.allowed, strict=True):
         names = {capsules.names[one][2:], capsules.names[other][2:]}
@@ -112,7 +112,7 @@ def test_corrections_are_smooth_over_time(body, stout):
 
 def test_nearest_points_agree_with_sampling():
     random = np.random.default_rng(2)
-    shares = np.linspace(0, 1, 401)[:, None]
+    fractions = np.linspace(0, 1, 401)[:, None]
     for number in range(60):
         one, other = random.normal(size=(2, 2, 3))
         if number % 4 == 1:
@@ -122,8 +122,8 @@ def test_nearest_points_agree_with_sampling():
         if number % 8 == 3:
             one[1], other[1] = one[0], other[0]
         found = nearest_points(one, other)
-        first = one[0] + shares * (one[1] - one[0])
-        second = other[0] + shares * (other[1] - other[0])
+        first = one[0] + fractions * (one[1] - one[0])
+        second = other[0] + fractions * (other[1] - other[0])
         least = np.linalg.norm(first[:, None] - second, axis=-1).min()
         gap = np.linalg.norm(found[0] - found[1])
         assert gap <= least + 1e-9

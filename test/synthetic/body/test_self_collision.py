@@ -1,4 +1,4 @@
-"""Capsules for flesh: whether limbs go through the body."""
+"""Tests the capsules and the detection of self-collisions."""
 
 import numpy as np
 import pytest
@@ -71,13 +71,13 @@ def test_hand_inside_the_head_is_detected(body, rest):
 
 
 def test_capsules_approximate_the_skin(body, rest):
-    """Every bone's skin is about as far from its capsule's axis as the radius."""
+    """The distance of each bone's skin from its capsule's axis is about the radius."""
     rig, capsules = fit_collision_body(body, rest)
     posed = pose_body(body, rest, pose_rotations(rig, pose_of())[0], np.zeros(3))
     strongest = body.skin_bones[:, 0]
     for bone, ends, radius in zip(capsules.bones, capsules.ends, capsules.radii, strict=True):
         skin = posed.vertices[strongest == bone]
-        if bone == rig.numbers['root']:  # has no skin of its own
+        if bone == rig.numbers['root']:  # has no own skin
             continue
         axis = posed.heads[bone] + ends @ posed.orientations[bone].T
         distance = [naive_distance(point, point, *axis) for point in skin[::9]]
@@ -85,7 +85,7 @@ def test_capsules_approximate_the_skin(body, rest):
 
 
 def naive_distance(p, q, a, b):
-    """The shortest way between two segments, tried out; finer and finer."""
+    """Search the shortest distance of two segments on increasingly fine grids."""
     low, high = np.zeros(2), np.ones(2)
     for _ in range(14):
         s, t = np.meshgrid(*np.linspace(low, high, 11).T, indexing='ij')
@@ -125,6 +125,6 @@ def test_mean_distances_of_the_skin_agree_with_the_equation():
     for limb, bone in ((1, 1), (0, 3)):
         start, along = ends[limb, 0], ends[limb, 1] - ends[limb, 0]
         own = vertices[bones[:, 0] == bone]
-        share = np.clip((own - start) @ along / (along @ along), 0, 1)
-        expected = np.linalg.norm(own - start - share[:, None] * along, axis=1).mean()
+        fraction = np.clip((own - start) @ along / (along @ along), 0, 1)
+        expected = np.linalg.norm(own - start - fraction[:, None] * along, axis=1).mean()
         assert means[limb] == pytest.approx(expected, abs=1e-12)

@@ -1,4 +1,4 @@
-"""Rotations against scipy's."""
+"""Tests rotations against scipy."""
 
 from itertools import pairwise
 
@@ -27,7 +27,9 @@ ROTATIONS = Rotation.concatenate(
     [
         Rotation.from_rotvec(RANDOM.normal(0, 2, (200, 3))),
         Rotation.from_rotvec(RANDOM.normal(0, 1e-9, (5, 3))),
-        Rotation.from_rotvec(np.pi * np.eye(3)),  # half turns, where one quarter vanishes
+        Rotation.from_rotvec(
+            np.pi * np.eye(3)
+        ),  # half turns, with a zero component of the quaternion
         Rotation.identity(1),
     ]
 )
@@ -93,7 +95,7 @@ def test_interpolated_rotations(fraction):
     for first, last in pairwise(MATRICES):
         pair = Rotation.from_matrix([first, last])
         if (pair[0].inv() * pair[1]).magnitude() > np.pi - 1e-3:
-            continue  # either way is the shortest
+            continue  # both ways are equally short
         expected = Slerp([0, 1], pair)(fraction).as_matrix()
         np.testing.assert_allclose(
             interpolate_rotations(first, last, fraction), expected, atol=1e-6

@@ -24,10 +24,10 @@ JOINTS = (
 NAMES = [name for name, _, _ in JOINTS]
 
 CROOKED = 0.0
-"""By how much the forearms come forward in the T-pose, radians."""
+"""Angle by which the forearms point forward in the T-pose, radians."""
 
 BENT = ''
-"""What the mapping says of that."""
+"""The corresponding entry of the mapping."""
 
 MAPPING = """
 axes: {up: UP, forward: FORWARD}

@@ -1,4 +1,4 @@
-"""The BVH reader: hierarchy, channels in any order, damage."""
+"""Tests the BVH reader: hierarchy, channels in any order, damaged files."""
 
 import numpy as np
 import pytest
@@ -50,10 +50,10 @@ def test_small_file_is_read(tmp_path):
 
 def test_joint_positions_agree_with_a_manual_calculation(tmp_path):
     placed = joint_poses(load_bvh(write(tmp_path, SMALL)))
-    # Frame 1: the knee turns by 90 degrees about x, which takes -y to -z, z to -y.
+    # Frame 1: the knee rotates by 90 degrees about x, which maps -y to -z and z to -y.
     expected = [[1, 2, 3], [1, 0, 3], [1, -0.5, 2]]
     np.testing.assert_allclose(placed.positions[0], expected, atol=1e-12)
-    # Frame 2: all turns by 90 degrees about y, which takes z to x.
+    # Frame 2: all joints rotate by 90 degrees about y, which maps z to x.
     expected = [[4, 5, 6], [4, 3, 6], [4.5, 2, 6]]
     np.testing.assert_allclose(placed.positions[1], expected, atol=1e-12)
 

@@ -1,4 +1,4 @@
-"""Inverse kinematics: hands and feet get where they should."""
+"""Tests inverse kinematics: hands and feet reach their targets."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def random_arms(count):
         LOWER_LIMITS + (UPPER_LIMITS - LOWER_LIMITS) * random.random((count, len(ANGLES)))
     )
     arms = poses[:, ARMS[0]]
-    arms[:, 5:7] = 0.0  # the wrist straight
+    arms[:, 5:7] = 0.0  # straight wrist
     return arms
 
 
@@ -52,7 +52,7 @@ def pose(rig, angles):
 
 
 def chest_and_hand(rig, angles, side):
-    """Where the middle of a hand is in the chest's axes, from the chest's bone."""
+    """Return the position of the middle of a hand in the chest's frame."""
     orientations, heads = pose(rig, angles)
     chest = rig.numbers['spine01']
     hand = 0.5 * (heads[rig.numbers[f'wrist.{side}']] + heads[rig.numbers[f'finger3-1.{side}']])
@@ -129,7 +129,7 @@ def test_hand_lies_flat_on_a_surface(rig):
     position = np.array([0.0, rig.shoulder[2, 1] - 0.5 * rig.arm[0], 0.7 * rig.arm[0]])
     arm, miss = solve_arm(rig, arm, position, np.radians(40))
     assert miss < REACH_TOLERANCE
-    inwards = np.array([0.0, 0.0, -1.0])  # a hand on the chest
+    inwards = np.array([0.0, 0.0, -1.0])  # hand on the chest
     align_palm(arm, inwards)
     angles = np.zeros(len(ANGLES))
     angles[ARMS[0]] = arm
@@ -158,7 +158,7 @@ def test_foot_is_on_its_target_and_level(rig, right):
         sole = orientations[number] @ rig.straight[number].T
         if angles[LEGS[int(right)]][4] > LOWER_LIMITS[LEGS[0]][4] + 1e-6:
             assert sole[1, 2] == pytest.approx(-np.sin(foot.pitch), abs=0.02)
-        # The knee bends forwards, the toes point where they should.
+        # The knee bends forwards, and the toes have the given heading.
         hip, knee = (heads[rig.numbers[f'{name}.{side}']] for name in ('upperleg01', 'lowerleg01'))
         assert (knee - 0.5 * (hip + heads[number]))[2] > -0.02 * length
         heading = np.arctan2(sign * sole[0, 2], sole[2, 2])

@@ -1,4 +1,4 @@
-"""How synthetic people move."""
+"""Tests the sampled motion."""
 
 import numpy as np
 import pytest
@@ -59,7 +59,7 @@ def test_motion_is_smooth(body, rest):
         motion = sample_motion(body, rest, 90, RATE, 1.0, source(seed))
         joints = joints_of(body, rest, motion)
         secants = np.linalg.norm(np.diff(joints, axis=0), axis=2)
-        # The fastest strikes of trained people are some 10 m/s.
+        # The fastest strikes of trained people have about 10 m/s.
         assert secants.max() * RATE < 10
         assert secants.mean() * RATE > 0.03
         between = motion.rotations[1:] @ motion.rotations[:-1].swapaxes(2, 3)
@@ -80,13 +80,13 @@ def test_poses_without_a_rate_are_independent(body, rest):
 
 
 def test_hands_and_feet_reach_all_regions_on_both_sides(body, rest):
-    """A training set needs variety; and nobody is left-handed on an average."""
+    """A training set needs variety, and both sides are equally frequent."""
     joints = joints_of(body, rest, sample_motion(body, rest, 800, None, 0.0, source(1)))
     at = {name: joints[:, number] for name, number in JOINT_NUMBERS.items()}
     for side in ('l', 'r'):
         hand = at[f'{side}_hand'] - at[f'{side}_shoulder']
         assert 0.08 < (hand[:, 1] > 0).mean() < 0.4  # above the shoulder
-        assert 0.15 < (hand[:, 2] > 0.3).mean() < 0.7  # well before it
+        assert 0.15 < (hand[:, 2] > 0.3).mean() < 0.7  # well in front of it
         assert (hand[:, 2] < -0.1).mean() > 0.05  # behind it
         near_head = np.linalg.norm(at[f'{side}_hand'] - at['head'], axis=1) < 0.25
         assert 0.02 < near_head.mean() < 0.2
@@ -100,7 +100,7 @@ def test_hands_and_feet_reach_all_regions_on_both_sides(body, rest):
 
 
 def naive_interpolate(time, key_times, keys):
-    """Fritsch and Butland's interpolant of one value, from the equation."""
+    """Interpolate one value by the equations of Fritsch and Butland."""
     spans = np.diff(key_times)
     secants = np.diff(keys) / spans
     slopes = np.zeros(len(keys))
@@ -137,7 +137,7 @@ def test_interpolation_agrees_with_the_equation_and_never_overshoots():
         low, high = np.sort([keys[first], keys[last]], axis=0)
         assert (values[inside] >= low - 1e-9).all()
         assert (values[inside] <= high + 1e-9).all()
-    # The speed has no leap at a key.
+    # The velocity is continuous at the keys.
     inner, seconds_per_key = key_times[1:-1], 1e-6
     before, at, after = (
         interpolate_keys(inner + d, key_times, keys)

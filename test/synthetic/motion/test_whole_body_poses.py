@@ -1,4 +1,4 @@
-"""What synthetic people do: stances, gestures, strides; each pose on its own."""
+"""Tests poses: lower body, gestures and strides."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ from lsc_pose_ros.synthetic.sampling import RandomStream
 
 FIGURES = (BodyShape(30, 1.0), BodyShape(6, 0.5), BodyShape(45, 0.0, weight=0.95, muscle=0.4))
 
-# Winter's shares of the body's mass, with the bone at which each part begins and ends.
+# Winter's fractions of the body's mass, with the bones at the ends of each part.
 LIMB_MASSES = (
     (0.028, 'upperarm01', 'lowerarm01'), (0.016, 'lowerarm01', 'wrist'),
     (0.006, 'wrist', 'finger3-1'), (0.100, 'upperleg01', 'lowerleg01'),
@@ -55,7 +55,7 @@ def heads_of(collision_body, angles):
 
 
 def sample_only(monkeypatch, *names):
-    """Let nothing but the stances called `names` be drawn."""
+    """Restrict the sampling of the lower body to the functions `names`."""
     kept = tuple(
         each for each in lower_body_poses._LOWER_BODY_KINDS if each[1][1].__name__ in names
     )
@@ -69,7 +69,7 @@ def test_poses_are_within_limits_and_rarely_collide(collision_body):
         angles = sample_pose(collision_body, RandomStream(random)).angles
         np.testing.assert_allclose(within_limits(angles), angles, atol=1e-12)
         depths.append(deepest_penetration(collision_body, angles[None])[0])
-    # The rest is drawn anew.
+    # The others are rejected and sampled again.
     assert np.mean(np.array(depths) <= MAX_PENETRATION) > 0.8
 
 
@@ -82,7 +82,7 @@ def test_standing_people_have_both_feet_down_and_are_balanced(collision_body, mo
     for _ in range(200):
         angles = within_limits(sample_lower_body(collision_body.rig, RandomStream(random)).angles)
         at = heads_of(collision_body, angles)
-        mass = sum(share * 0.5 * (at[first] + at[last]) for share, first, last in MASSES)
+        mass = sum(fraction * 0.5 * (at[first] + at[last]) for fraction, first, last in MASSES)
         soles = np.array(
             [at[f'{bone}.{side}'] for side in ('L', 'R') for bone in ('foot', 'toes')]
         )
@@ -106,7 +106,9 @@ def test_sitting_people_have_bent_hips_and_feet_ahead_or_below(collision_body, m
         at = heads_of(collision_body, angles)
         trunk = at['neck01'] - at['root']
         length = collision_body.rig.leg[1]
-        assert min(at['foot.L'][1], at['foot.R'][1]) < -0.5 * length  # the other one may be on it
+        assert (
+            min(at['foot.L'][1], at['foot.R'][1]) < -0.5 * length
+        )  # the other foot can be on the knee
         for side in ('L', 'R'):
             thigh = at[f'lowerleg01.{side}'] - at[f'upperleg01.{side}']
             assert thigh[2] > 0.5 * collision_body.rig.leg[0]
@@ -126,7 +128,7 @@ def test_stride_is_symmetric_and_periodic():
         assert np.degrees(max(knees)) == pytest.approx(100 if running else 60, abs=5)
         assert np.abs(np.diff(knees)).max() < np.radians(8)
     walking = stride_angles(0.0, *size[:2])
-    # The left leg is before, and so is the right arm.
+    # Left leg and right arm are in front.
     assert walking[ANGLE_NUMBERS['l_hip_flexion']] > walking[ANGLE_NUMBERS['r_hip_flexion']]
     forwards = {side: np.sin(walking[ANGLE_NUMBERS[f'{side}_plane']]) for side in ('l', 'r')}
     assert forwards['r'] > 0 > forwards['l']
@@ -158,8 +160,8 @@ def test_touching_hands_are_on_the_body_without_penetration(collision_body, side
         name = next(name for name, each in rig.numbers.items() if each == bone)
         start, end = at[name] + capsules.ends[number] @ orientations[bone].T
         along = end - start
-        share = np.clip((palm - start) @ along / max(along @ along, 1e-9), 0, 1)
-        off = np.linalg.norm(palm - start - share * along) - capsules.radii[number]
+        fraction = np.clip((palm - start) @ along / max(along @ along, 1e-9), 0, 1)
+        off = np.linalg.norm(palm - start - fraction * along) - capsules.radii[number]
         near.append(off / rig.arm.sum())
     if near:
         assert np.median(near) < 0.12
@@ -189,7 +191,7 @@ def test_random_stream_has_the_stated_distributions():
     assert max(between) < 3.0
     names = [stream.choose(((1.0, 'rare'), (3.0, 'often'))) for stream in drawn]
     assert names.count('often') == pytest.approx(3000, abs=120)
-    # What one takes does not matter to the next.
+    # The next stream does not depend on the use of the previous one.
     one, other = source(7), source(7)
     RandomStream(one).uniform()
     RandomStream(other)
@@ -197,7 +199,7 @@ def test_random_stream_has_the_stated_distributions():
 
 
 def test_pose_never_exhausts_its_random_stream(collision_body, monkeypatch):
-    """Every try at the arms fails; both arms touch the body or close on each other."""
+    """All tries of the arms fail, so the largest number of random numbers is used."""
     monkeypatch.setattr('lsc_pose_ros.synthetic.motion.whole_body_poses.MAX_PENETRATION', -1.0)
     random = source(8)
     for _ in range(300):

@@ -1,4 +1,4 @@
-"""The z-buffer: against its equation, on random, touching and degenerate triangles."""
+"""Tests the z-buffer against its equation: random, adjacent and degenerate triangles."""
 
 import numpy as np
 import pytest
@@ -25,7 +25,7 @@ def body() -> BodyModel:
 
 
 def naive_render(meshes, camera, width, height):
-    """Every pixel against every triangle, with the corners rounded as the module says."""
+    """Test each pixel against each triangle, with corners rounded to SUBPIXELS."""
     depth = np.full((height, width), np.inf)
     labels = np.full((height, width), NO_BODY, np.int32)
     rows, columns = np.mgrid[:height, :width]
@@ -62,7 +62,7 @@ def compare(meshes, camera=CAMERA, width=WIDTH, height=HEIGHT):
     depth, labels = naive_render(meshes, camera, width, height)
     assert image.depth.dtype == np.float32
     assert image.labels.dtype == np.int32
-    # Two surfaces in one place, to the last bit, may swap.
+    # Two surfaces at the same depth can be exchanged.
     ties = (image.labels != labels) & (np.abs(image.depth - depth) < 1e-5)
     np.testing.assert_array_equal(image.labels[~ties], labels[~ties])
     assert ties.sum() < 3
@@ -71,7 +71,7 @@ def compare(meshes, camera=CAMERA, width=WIDTH, height=HEIGHT):
 
 
 def soup(random, count, spread):
-    """Triangles before and beside the camera."""
+    """Return random triangles in front of and beside the camera."""
     centres = random.uniform([-1.5, -1.5, 0.3], [1.5, 1.5, 3], size=(count, 1, 3))
     vertices = (centres + random.normal(size=(count, 3, 3)) * spread).reshape(-1, 3)
     return vertices, np.arange(3 * count).reshape(-1, 3).astype(np.uint16)
@@ -129,7 +129,7 @@ def test_depth_of_a_slanted_plane_agrees_with_the_equation():
     expected = 4 / (1 - 0.5 * ray_x + 0.3 * ray_y)
     drawn = image.labels == 1
     assert drawn[8:-8, 8:-8].all()
-    # A corner is off by 1/512 pixel at most.
+    # The error of a corner is at most 1/512 pixel.
     np.testing.assert_allclose(image.depth[drawn], expected[drawn], rtol=2e-4)
 
 
@@ -158,7 +158,7 @@ def test_order_of_bodies_does_not_matter():
 
 
 def person_in_camera(body, body_shape, yaw, position):
-    """A person who stands before the camera as at rest."""
+    """Return a person in the rest pose in front of the camera."""
     cosine, sine = np.cos(yaw), np.sin(yaw)
     rotation = np.array([[cosine, 0, sine], [0, -1, 0], [sine, 0, -cosine]])
     rest = shape_body(body, body_shape)
@@ -188,7 +188,7 @@ def test_people_hide_each_other_and_joints_are_behind_the_skin(body):
         behind = person.joints[:, 2] - alone.depth[pixels[:, 1], pixels[:, 0]]
         assert (behind > 0.003).all()
         assert (behind < 0.35).all()
-        # With the others, a pixel is theirs exactly where they are nearer.
+        # Pixels of a hidden person show another one who is nearer.
         visible = image.labels == number
         np.testing.assert_array_equal(image.depth[visible], alone.depth[visible])
         hidden = (alone.labels == number) & ~visible

@@ -1,4 +1,4 @@
-"""Where camera and people are, and the room about them."""
+"""Tests the placement of camera and people, and the room around them."""
 
 import numpy as np
 import pytest
@@ -30,7 +30,7 @@ def source(seed: int) -> np.random.Generator:
 
 
 def column(height: float, radius: float = 0.3) -> PersonExtent:
-    """A person like a pillar that sways for three frames, y down, on the floor."""
+    """Return a person as a cylinder that sways in three frames, y down, on the floor."""
     angles = np.linspace(0, 2 * np.pi, 24, endpoint=False)
     ring = radius * np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
     points = np.concatenate([ring, ring - np.array([0, height, 0])])
@@ -81,7 +81,7 @@ def test_positive_tilt_looks_down() -> None:
     ahead = np.array([0.0, 0.0, 3.0])
     assert (tilt_rotation(0.3) @ ahead)[
         1
-    ] < 0  # what is level with the camera is high in the image
+    ] < 0  # a point level with the camera is in the upper half of the image
 
 
 def test_several_people_are_on_one_floor_and_never_touch() -> None:
@@ -122,7 +122,7 @@ def test_impossible_placement_is_refused() -> None:
 
 
 def naive_room(room: Room, tilt: NDArray[np.float64], width: int, height: int) -> np.ndarray:
-    """Every ray against every side of every box."""
+    """Intersect each ray with each side of each box."""
     depth = np.full((height, width), np.inf)
     for row in range(height):
         for col in range(width):
@@ -189,9 +189,9 @@ def test_rooms_contain_the_people_and_furniture_does_not_hide_them() -> None:
         for number, (centre, half, (cosine, sine)) in enumerate(zip(*room, strict=True)):
             rotation = np.array([[cosine, 0, -sine], [0, 1, 0], [sine, 0, cosine]])
             assert centre[1] + half[1] == pytest.approx(placement.positions[0, 1])  # on the floor
-            # From the camera to each point of the people: is the box in the way?
-            shares = np.linspace(0, 1, 60)[:, None, None]
-            way = shares * points - centre
+            # No box is on the way from the camera to a point of the people.
+            fractions = np.linspace(0, 1, 60)[:, None, None]
+            way = fractions * points - centre
             inside = (np.abs(way @ rotation.T) < half + 1e-9).all(axis=-1)
             assert inside.all() if number == 0 else not inside.any()
     assert min(counts) == 0

@@ -1,4 +1,4 @@
-"""The kernels of the sensors' noise, each against a plain twin written from the equations."""
+"""Tests each kernel of the noise models against a reference written from the equations."""
 
 import math
 
@@ -49,7 +49,7 @@ DEPTH_RANGE = DepthRange(1.2, 3.0)
 
 
 def random_image(seed: int) -> DepthImage:
-    """A wavy slope with holes, a box before it, and a margin without anything."""
+    """Return a wavy slope with holes, a box in front of it, and an empty margin."""
     random = np.random.default_rng(seed)
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
     depth = 2 + 0.03 * rows + 0.1 * np.sin(columns / 3)
@@ -130,9 +130,9 @@ def test_interpolation_agrees_with_its_reference(spacing: float) -> None:
 
 
 def correlation(gap: float) -> float:
-    """The mean correlation of two places that lie a share of the grid's spacing apart."""
+    """Return the mean correlation of two positions at a distance of `gap` grid spacings."""
     position = np.linspace(0, 1, 2001)[:, None] + np.array([0, gap])
-    # Each node's weight falls linearly to nothing at its neighbours.
+    # The weight of a node decreases linearly to zero at its neighbours.
     weights = np.maximum(1 - np.abs(position[..., None] - np.arange(-1, 5)), 0)
     weights /= np.linalg.norm(weights, axis=-1, keepdims=True)
     return float((weights[:, 0] * weights[:, 1]).sum(axis=-1).mean()) if gap < 1 else 0.0
@@ -271,7 +271,7 @@ def test_quantisation_agrees_with_its_reference(sensor: Triangulation, scale: fl
 def naive_mix(
     depth: NDArray[np.float32], middle: NDArray[np.float64], half: float, gap: float
 ) -> tuple[float, tuple[int, int]]:
-    """Integrate over the square with every pixel of the image, its rims repeated outwards."""
+    """Integrate the square over all pixels of the image, extended by its edge pixels."""
     margin = 3 + math.ceil(half)
     wide = np.pad(depth.astype(float), margin, mode='edge')
     cells = []

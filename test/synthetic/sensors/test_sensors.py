@@ -1,4 +1,4 @@
-"""Sensors as a whole: their laws of noise, their shadows and edges, measured on simple scenes."""
+"""Tests the sensors on simple scenes: noise, shadows and edges."""
 
 import math
 
@@ -30,7 +30,7 @@ def wall(distance: float, body: int = 1) -> DepthImage:
 
 
 def rotated_wall(distance: float, angle: float, camera: Intrinsics) -> DepthImage:
-    """A wall before the middle of the image, turned about the vertical."""
+    """Return a wall in the middle of the image, rotated about the vertical axis."""
     rays = (np.arange(WIDTH) - camera.cx) / camera.fx
     depth = distance / (1 - math.tan(math.radians(angle)) * rays)
     depth = np.where((depth > 0.8 * distance) & (depth < 1.2 * distance), depth, 0)
@@ -39,7 +39,7 @@ def rotated_wall(distance: float, angle: float, camera: Intrinsics) -> DepthImag
 
 
 def box(*, room: bool, near: float = BODY, far: float = WALL) -> DepthImage:
-    """A body, 120 by 100 pixels, before a wall or before nothing."""
+    """Return a body of 120 by 100 pixels, with or without a wall behind it."""
     depth = np.full((HEIGHT, WIDTH), far if room else 0.0, np.float32)
     labels = np.full((HEIGHT, WIDTH), NO_BODY, np.int32)
     depth[60:180, 110:210] = near
@@ -52,8 +52,8 @@ def sensed(name: str, image: DepthImage, seed: int = 0) -> DepthImage:
 
 
 def deviation(name: str, distance: float) -> float:
-    """Of several images of a wall: noise is alike over pixels, so one image is no statistic."""
-    middle = np.s_[40:-40, 100:-40]  # of stereo, the left margin sees nothing
+    """Return the deviation over several images of a wall, because noise is correlated."""
+    middle = np.s_[40:-40, 100:-40]  # stereo has no depth at the left margin
     images = [sensed(name, wall(distance), seed).depth[middle] for seed in range(4)]
     values = np.stack(images)
     return float(values[values > 0].std())
@@ -86,7 +86,7 @@ def test_noise_on_a_wall_is_within_the_specification() -> None:
 
 @pytest.mark.parametrize('distance', [1.0, 2.0, 3.5])
 def test_kinect_v1_has_the_measured_steps(distance: float) -> None:
-    """Khoshelham and Elberink: 2.85 mm at 1 m, growing with the square of the distance."""
+    """Khoshelham and Elberink: 2.85 mm at 1 m, proportional to the square of the distance."""
     levels = np.unique(sensed('kinect_v1', wall(distance)).depth)
     assert len(levels) <= 7
     assert np.diff(levels).mean() == pytest.approx(0.00285 * distance**2, rel=0.03)
@@ -104,7 +104,7 @@ def test_steps_agree_with_a_real_kinect_v1(shared) -> None:
 
 
 def correlation(name: str, gap: int) -> float:
-    """How alike the errors of pixels are that lie so far apart, the sensor's own pixels."""
+    """Return the correlation of the errors of pixels at a horizontal distance of `gap`."""
     sensor = SENSORS[name]
     image = DepthImage(np.full((240, 300), 2.0, np.float32), np.ones((240, 300), np.int32))
     focal = 0.5 * sensor.width / math.tan(math.radians(0.5 * sensor.field_of_view))
@@ -126,7 +126,7 @@ def test_noise_is_correlated_over_the_matching_window_and_independent_in_time_of
 def lost(name: str, distance: float, angle: float) -> float:
     camera = camera_of(name)
     image = rotated_wall(distance, angle, camera)
-    # Within the wall, away from where it ends.
+    # Inside the wall, away from its ends.
     columns = np.flatnonzero(image.depth[0] > 0)
     inner = columns[len(columns) // 4 : max(3 * len(columns) // 4, len(columns) // 4 + 1)]
     images = [apply_sensor(name, image, camera, np.random.default_rng(seed)) for seed in range(3)]
@@ -135,13 +135,13 @@ def lost(name: str, distance: float, angle: float) -> float:
 
 @pytest.mark.parametrize('name', DISPARITY)
 def test_losses_of_disparity_increase_with_the_angle(name: str) -> None:
-    """The wall turns its face to the second place, so the angle alone is to blame."""
+    """The wall faces the second viewpoint, so only the angle causes losses."""
     dropout = 0.03
     assert lost(name, 2.0, -20.0) < dropout
     assert lost(name, 2.0, -60.0) < dropout
-    shares = [lost(name, 2.0, angle) for angle in (-60.0, -80.0, -86.0)]
-    assert shares == sorted(shares)
-    assert shares[-1] > 0.3
+    fractions = [lost(name, 2.0, angle) for angle in (-60.0, -80.0, -86.0)]
+    assert fractions == sorted(fractions)
+    assert fractions[-1] > 0.3
 
 
 def test_losses_of_light_increase_with_distance_and_angle() -> None:
@@ -149,7 +149,7 @@ def test_losses_of_light_increase_with_distance_and_angle() -> None:
         assert lost(name, 0.6 * SENSORS[name].farthest, -50.0) == 0
         assert lost(name, 0.95 * SENSORS[name].farthest, 0.0) < 0.01
         assert 0.2 < lost(name, 0.95 * SENSORS[name].farthest, -70.0) < 0.9
-        # (1 / 1.2)² of the light is left.
+        # (1 / 1.2)² of the light remains.
         assert lost(name, 1.2 * SENSORS[name].farthest, 0.0) == pytest.approx(0.306, abs=0.03)
 
 
@@ -172,7 +172,7 @@ def test_width_of_the_shadow_on_the_left_follows_the_baseline(name: str) -> None
     rows = found[80:160]
     expected = camera.fx * baseline * (1 / BODY - 1 / WALL)
     left = rows[:, 90:115].sum(axis=1).mean()
-    # The body grows over a part of it: edge fattening.
+    # The body grows over a part of it by edge fattening.
     assert left == pytest.approx(expected - growth(name), abs=0.5)
     right = rows[:, 205:230].sum(axis=1).mean()
     assert right < 0.5
@@ -197,7 +197,7 @@ def test_body_without_background_keeps_its_middle() -> None:
 
 
 def growth(name: str, seeds: int = 4) -> float:
-    """By how many pixels the box grows on each side."""
+    """Return by how many pixels the box grows on each side."""
     images = [sensed(name, box(room=False), seed) for seed in range(seeds)]
     count = np.mean([(image.labels == 1).sum() for image in images])
     return float((count - 120 * 100) / (2 * (120 + 100)))
@@ -210,7 +210,7 @@ def test_edges_grow_in_stereo_and_most_in_passive_stereo() -> None:
 
 
 def edge_displacement(name: str) -> float:
-    """The deviation of where the box's right side ends, pixels of the image."""
+    """Return the deviation of the position of the box's right edge, pixels of the image."""
     labels = sensed(name, box(room=True)).labels[70:170]
     return float((labels == 1).sum(axis=1).std())
 
@@ -221,7 +221,7 @@ def test_edges_are_displaced_by_less_than_two_pixels() -> None:
 
 
 def test_passive_stereo_blends_surfaces_at_similar_depths() -> None:
-    """An arm before a trunk: a ramp between them in passive stereo, a step in Kinect v1."""
+    """Between an arm and the trunk behind it, passive stereo shows a ramp, Kinect v1 a step."""
     depth = np.full((HEIGHT, WIDTH), 2.0, np.float32)
     depth[:, 150:170] = 1.85
     image = DepthImage(depth, np.ones((HEIGHT, WIDTH), np.int32))
@@ -234,7 +234,7 @@ def test_passive_stereo_blends_surfaces_at_similar_depths() -> None:
 
 
 def distance_to_edge() -> NDArray[np.int64]:
-    """Of each pixel to the nearest side of the box, within or without, pixels."""
+    """Return the distance of each pixel from the nearest side of the box, pixels."""
     rows, columns = np.mgrid[:HEIGHT, :WIDTH]
     down = np.maximum(60 - rows, rows - 179)
     right = np.maximum(110 - columns, columns - 209)
@@ -252,7 +252,7 @@ def test_flying_pixels_are_at_edges_and_between_the_surfaces(name: str) -> None:
     assert (np.abs(found.depth[measured & ~flying] - BODY) < 0.1).sum() > 10_000
     assert found.depth[measured].min() > BODY - 0.1
     assert found.depth[measured].max() < WALL + 0.15
-    # What is near the body is the body's, what is near the wall is the wall's.
+    # Pixels at the depth of the body or the wall have its label.
     assert (found.labels[measured & (found.depth < BODY + 0.1)] == 1).mean() > 0.999
     assert (found.labels[measured & (found.depth > WALL - 0.1)] == NO_BODY).mean() > 0.999
     assert {1, NO_BODY} == set(found.labels[flying])
@@ -266,7 +266,7 @@ def test_flying_pixels_without_background_keep_the_label_of_the_body(name: str) 
     assert distance_to_edge()[flying].max() <= 3
     assert found.depth.max() < BODY + WALL_DISTANCE[1]
     np.testing.assert_array_equal(found.labels == NO_BODY, found.depth == 0)
-    # The body returns more light than the wall, so it shows in more than half of the mixed ones.
+    # The body returns more light than the wall, so it wins in more than half of the mixed pixels.
     assert abs(growth(name)) < 1.0
 
 

@@ -1,0 +1,36 @@
+"""Fixtures of the tests of motion capture."""
+
+import pytest
+from captured_poses import AXES
+from stick_figure import bvh_text, mapping_text
+
+from lsc_pose_ros.synthetic.body.body_file import BodyModel, load_body
+from lsc_pose_ros.synthetic.body.body_mesh import (
+    BodyShape,
+    RestBody,
+    shape_body,
+)
+from lsc_pose_ros.synthetic.mocap.mocap_clip import read_clip
+from lsc_pose_ros.synthetic.mocap.mocap_mapping import load_mapping
+
+
+@pytest.fixture(scope='module')
+def body() -> BodyModel:
+    return load_body()
+
+
+@pytest.fixture(scope='module')
+def rest(body: BodyModel) -> RestBody:
+    return shape_body(body, BodyShape())
+
+
+@pytest.fixture
+def clip_of(tmp_path):
+    def make(frames, up='y', forward='z', extra='', **how):
+        (tmp_path / 'clip.bvh').write_text(
+            bvh_text(frames, axes=AXES[up, forward], **how), encoding='ascii'
+        )
+        (tmp_path / 'map.yaml').write_text(mapping_text(up, forward, extra), encoding='ascii')
+        return read_clip(tmp_path / 'clip.bvh', load_mapping(tmp_path / 'map.yaml'))
+
+    return make
