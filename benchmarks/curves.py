@@ -218,7 +218,7 @@ def _choose_bodies(width: int, height: int, count: int) -> Iterator[EncodedFrame
         yield encode_frame(Frame(number, 'camera', depth, labels, encoded.camera, None))
 
 
-def with_settings(model: Model, **settings: int) -> Model:
+def with_settings(model: Model, **settings: Any) -> Model:  # noqa: ANN401 - of any type
     """Return `model` with some of its settings changed."""
     return model._replace(settings=model.settings._replace(**settings))
 

@@ -65,7 +65,7 @@ def main() -> int:
     told = show(frames, publishers, arguments)
     sys.stdout.write(json.dumps(told))
     time.sleep(_SETTLING)  # the last images are still on their way
-    node.destroy_node()
+    node.destroy_node()  # type: ignore[no-untyped-call]
     rclpy.try_shutdown()
     return 0
 

@@ -115,8 +115,8 @@ def comparison_table(results: dict[str, Any]) -> str:
 
 def _read_frames(recording: Path | None) -> list[EncodedFrame]:
     if recording is None:
-        frames = synthetic_frames(SyntheticSettings(frames=_FRAMES, seed=2, clip_length=2))
-        return [encode_frame(frame) for frame in frames]
+        people = synthetic_frames(SyntheticSettings(frames=_FRAMES, seed=2, clip_length=2))
+        return [encode_frame(frame) for frame in people]
     frames = list(open_recording(recording))
     return [encode_frame(frame) for frame in frames[:: max(1, len(frames) // _FRAMES)]]
 

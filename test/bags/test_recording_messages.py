@@ -1,6 +1,7 @@
 """Serialised messages to values and back."""
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -104,7 +105,7 @@ def test_skeletons_there_and_back(skeletons):
 
 
 def test_the_cloud_is_as_the_interface_says(skeletons):
-    cloud = typestore().deserialize_cdr(skeletons_message(STAMP, 'f', skeletons), POINT_CLOUD)
+    cloud: Any = typestore().deserialize_cdr(skeletons_message(STAMP, 'f', skeletons), POINT_CLOUD)
     fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
     assert fields == [
         ('x', 0, 7, 1),
@@ -214,7 +215,7 @@ def test_random_damage_never_does_worse_than_an_input_error(skeletons):
 def test_markers_are_what_rviz_draws(skeletons):
     edges = np.array([[0, 1], [1, 2]], np.int32)
     shapes = skeleton_markers(skeletons, edges, gone={9})
-    array = typestore().deserialize_cdr(
+    array: Any = typestore().deserialize_cdr(
         markers_message(STAMP, 'optical', shapes), 'visualization_msgs/msg/MarkerArray'
     )
     assert len(array.markers) == len(shapes) == 8

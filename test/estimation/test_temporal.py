@@ -1,6 +1,7 @@
 """Frames that follow one another: numbers that last, smoothing, beginning anew."""
 
 from dataclasses import replace
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -110,6 +111,6 @@ def test_settings_and_estimator_change_while_it_runs(answers):
     first, second = run(sequence, 2, START + 5 * FRAME)
     assert_same([first], [answers[5]])  # the filter knows nothing yet
     assert not np.array_equal(second.positions, answers[6].positions, equal_nan=True)
-    sequence.estimator = Script(answers)
+    sequence.estimator = cast('Any', Script(answers))
     sequence.settings = TemporalSettings()
     assert_same(run(sequence, 3, START + 7 * FRAME), answers[:3])

@@ -136,7 +136,7 @@ def test_parts_are_joints_kinds_and_thirds():
     assert scores['l_hand'][1] == Score(None, 0.0)
     assert scores['hands'][1].share == pytest.approx(0.5)
     assert scores['hands'][1].error == pytest.approx(0.03)
-    thirds = [scores[size][1].error for size in SIZES]
+    thirds = [scores[size][1].error or 0.0 for size in SIZES]
     assert thirds == sorted(thirds)
     assert [scores[size][0] for size in SIZES] == [134, 133, 133]
     mean = np.nanmean([np.mean(found.errors[:, j] <= 0.1) for j in range(17) if j != 2])

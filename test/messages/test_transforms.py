@@ -1,5 +1,7 @@
 """Skeletons as TF frames."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from rosbags.typesys import Stores, get_typestore
@@ -59,7 +61,7 @@ def test_a_message_that_others_can_read(skeletons):
     transforms = skeleton_transforms(skeletons, CAMERA)
     stamp = 1_700_000_000_123_456_789
     store = get_typestore(Stores.ROS2_JAZZY)
-    message = store.deserialize_cdr(
+    message: Any = store.deserialize_cdr(
         transforms_message(stamp, transforms), 'tf2_msgs/msg/TFMessage'
     )
     assert len(message.transforms) == len(transforms)

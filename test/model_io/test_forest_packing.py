@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.model_io.forest_packing import ARRAYS, pack_forest, unpack_forest
-from lsc_pose_ros.model_io.model_check import UnusableModelError
+from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes, find_leaves
 
 FEATURES, TARGETS = 12, 5
@@ -86,9 +86,10 @@ def test_arrays_have_the_documented_forms():
         assert packed[name].ndim == dimensions
     again = unpack_forest(packed)
     reference = random_forest(np.random.default_rng(1), [20, 30])
-    for one, two in zip(again[:4], reference[:4], strict=True):
-        assert one.dtype == two.dtype
-    for one, two in zip(again.joint_votes, reference.joint_votes, strict=True):
+    for name in ('roots', 'feature', 'threshold', 'left'):
+        assert getattr(again, name).dtype == getattr(reference, name).dtype
+    for name in LeafVotes._fields:
+        one, two = getattr(again.joint_votes, name), getattr(reference.joint_votes, name)
         assert one.dtype == two.dtype
         assert one.flags.c_contiguous
 
@@ -135,4 +136,4 @@ def test_arrays_that_do_not_fit_are_refused():
     with pytest.raises(UnusableModelError, match='votes do not fit'):
         unpack_forest(packed | {'pair_weight': packed['pair_weight'][1:]})
     with pytest.raises(UnusableModelError, match='steps'):
-        unpack_forest(packed | {'pair_steps': -packed['pair_steps']})
+        unpack_forest(packed | {'pair_steps': np.array([-0.04, 1 / 15], np.float32)})

@@ -118,9 +118,12 @@ def test_only_the_plain_stages_run_the_plain_kernels(small_model, people, monkey
         (plain_stages_module, 'find_candidates'),
     ):
         kernel = getattr(module, name)
-        monkeypatch.setattr(
-            module, name, lambda *words, k=kernel, n=name: called.append(n) or k(*words)
-        )
+
+        def record(*words, kernel=kernel, name=name):
+            called.append(name)
+            return kernel(*words)
+
+        monkeypatch.setattr(module, name, record)
     Estimator(small_model).estimate(frame.depth, frame.labels, frame.camera)
     assert called == []
     plain = Estimator(small_model, stages=plain_stages(small_model))

@@ -22,6 +22,6 @@ def estimate_slowly(
     return estimate(self, depth, labels, camera, observer)
 
 
-Estimator.estimate = estimate_slowly
+Estimator.estimate = estimate_slowly  # type: ignore[method-assign]
 
 sys.exit(main())

@@ -4,6 +4,7 @@ import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -349,12 +350,11 @@ def test_time_of_a_simulation(
 
     clock = probe.create_publisher(Clock, '/clock', 10)
     stamps: list[int] = []
-    probe.create_subscription(
-        diagnostic_msgs.DiagnosticArray,
-        '/diagnostics',
-        lambda message: stamps.append(message.header.stamp.sec),
-        10,
-    )
+
+    def keep_stamp(message: Any) -> None:
+        stamps.append(message.header.stamp.sec)
+
+    probe.create_subscription(diagnostic_msgs.DiagnosticArray, '/diagnostics', keep_stamp, 10)
     time_message = Clock()
     time_message.clock.sec = 1234
 

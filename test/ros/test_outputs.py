@@ -148,7 +148,7 @@ def test_transforms(run: Run, tmp_path: Path) -> None:
         assert received.wait_for('/tf', 2)
         assert received.wait_for(SKELETONS, 3)
     store = get_typestore(Stores.ROS2_JAZZY)
-    messages = [
+    messages: list[Any] = [
         store.deserialize_cdr(each, 'tf2_msgs/msg/TFMessage') for each in received.of('/tf')
     ]
     stamps = [read_skeletons(each).stamp for each in received.of(SKELETONS)]

@@ -164,8 +164,8 @@ def test_what_is_refused_and_what_is_taken_while_the_node_runs(
     for name, value in GOOD_AT_ANY_TIME.items():
         assert not services.set(name, value), name
         assert services.get(name) == value
-    for name, value, reason in BAD_AT_ANY_TIME:
-        assert reason in services.set(name, value), name
+    for name, bad, reason in BAD_AT_ANY_TIME:
+        assert reason in services.set(name, bad), name
         assert services.get(name) == GOOD_AT_ANY_TIME.get(name, services.get(name))
     most = load_model(small_model_file).settings.points
     assert not services.set('query_points', most)
@@ -173,9 +173,9 @@ def test_what_is_refused_and_what_is_taken_while_the_node_runs(
     assert not services.set('query_points', 0)
     assert not services.set('smoothing_beta', 1)  # what people type
     assert services.get('smoothing_beta') == 1.0
-    for name, value in WHILE_UNCONFIGURED.items():
+    for name, other in WHILE_UNCONFIGURED.items():
         before = services.get(name)
-        refused = services.set(name, value)
+        refused = services.set(name, other)
         assert f'parameter {name}: it can be set only while the node is unconfigured' in refused
         assert 'clean up the node first' in refused
         assert services.get(name) == before, name

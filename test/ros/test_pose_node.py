@@ -3,7 +3,7 @@
 import re
 import signal
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -235,7 +235,7 @@ def test_recording_that_is_played_twice_is_answered_twice(
 @pytest.fixture
 def slow_node(
     start_program: Callable[..., Program], small_model_file: Path
-) -> Iterator[Callable[[float], Program]]:
+) -> Callable[[float], Program]:
     def begin(seconds: float) -> Program:
         model = f'model:={small_model_file}'
         node = start_program(

@@ -70,5 +70,6 @@ def test_a_setting_is_complete(name: str) -> None:
     )
     assert (declared.lowest is not None) == (declared.highest is not None) == is_number
     if declared.lowest is not None and declared.highest is not None:
+        assert isinstance(declared.default, int | float)
         assert declared.lowest <= declared.default <= declared.highest
         assert type(declared.lowest) is type(declared.highest) is type(declared.default)

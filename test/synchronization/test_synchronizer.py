@@ -142,10 +142,10 @@ def test_masks_slower_than_depth_give_as_many_pairs() -> None:
     inbox = Inbox(capacity=30)
     inbox.gathering.add_camera_info('info')
     for number in range(90):
-        inbox.gathering.add_depth(number * FRAME, number)
+        inbox.gathering.add_depth(number * FRAME, str(number))
         if number >= 8 and number % 3 == 0:
-            inbox.gathering.add_mask((number - 8) * FRAME, number - 8)
-    assert [pair[0] for pair in inbox.delivered] == list(range(1, 82, 3))
+            inbox.gathering.add_mask((number - 8) * FRAME, str(number - 8))
+    assert [int(pair[0]) for pair in inbox.delivered] == list(range(1, 82, 3))
     assert all(depth == mask for depth, mask, _ in inbox.delivered)
     assert inbox.gathering.left_out == LeftOut(unmatched_depth=2 * 26 + 1)
     assert inbox.gathering.missing == 0

@@ -40,6 +40,7 @@ class PlainFilter:
             return point
         if elapsed <= 0:
             return point
+        assert self.before is not None
         _, smooth, speed = self.before
         a = alpha(elapsed, 1.0)
         speed = [

@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.artist import getp
+from matplotlib.axes import Axes
 from PIL import Image
 
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
@@ -131,6 +133,11 @@ def test_cumulative_of_nothing_is_flat() -> None:
     assert (cumulative(np.full(3, np.nan, np.float32)).percent == 0).all()
 
 
+def bar_sizes(axes: Axes, size: str) -> list[float]:
+    """Return the width or height of each bar."""
+    return [getp(bar, size) for bar in axes.patches]
+
+
 def test_bars_are_as_long_as_the_scores_and_say_what_is_missing() -> None:
     summary = Summary(
         0.04,
@@ -142,8 +149,8 @@ def test_bars_are_as_long_as_the_scores_and_say_what_is_missing() -> None:
         },
     )
     errors, shares = joint_bars(summary, TOLERANCE).axes
-    assert [bar.get_width() for bar in errors.patches] == pytest.approx([3, 5, 0])
-    assert [bar.get_width() for bar in shares.patches] == pytest.approx([75, 25, 0])
+    assert bar_sizes(errors, 'width') == pytest.approx([3, 5, 0])
+    assert bar_sizes(shares, 'width') == pytest.approx([75, 25, 0])
     assert 'no estimate' in [text.get_text() for text in errors.texts]
     assert [label.get_text() for label in errors.get_yticklabels()] == ['neck', 'hand']
 
@@ -164,5 +171,5 @@ def test_reliability_is_drawn_bin_by_bin(evaluation: Evaluation, text: str) -> N
     drawn = shares.lines[1].get_xydata()
     wanted = [(100 * each.confidence, 100 * each.fraction) for each in reliability.bins]
     np.testing.assert_allclose(drawn, wanted)
-    assert sum(bar.get_height() for bar in counts.patches) == pytest.approx(100)
+    assert sum(bar_sizes(counts, 'height')) == pytest.approx(100)
     assert f'off by {100 * reliability.ece:.1f} %' in text

@@ -38,8 +38,8 @@ def describe_twin(pixels: np.ndarray, radius: float, inner_radius: float) -> np.
             triangle(share * RADIUS_BINS, RADIUS_BINS, wraps=False),
             triangle(azimuth * AZIMUTH_BINS, AZIMUTH_BINS, wraps=True),
         )
-    result = result.reshape(len(pixels), SIZE)
-    return result / np.maximum(result.sum(axis=1, keepdims=True), 1e-12)
+    flat = result.reshape(len(pixels), SIZE)
+    return flat / np.maximum(flat.sum(axis=1, keepdims=True), 1e-12)
 
 
 def check(pixels: np.ndarray, radius: float, inner_radius: float) -> None:

@@ -49,8 +49,8 @@ def describe_twin(points: np.ndarray, radius: float, inner_radius: float) -> np.
             triangle(azimuth * AZIMUTH_BINS, AZIMUTH_BINS, wraps=True),
             triangle(zenith * ZENITH_BINS, ZENITH_BINS, wraps=False),
         )
-    result = result.reshape(len(points), DESCRIPTOR_SIZE)
-    return result / np.maximum(result.sum(axis=1, keepdims=True), 1e-12)
+    flat = result.reshape(len(points), DESCRIPTOR_SIZE)
+    return flat / np.maximum(flat.sum(axis=1, keepdims=True), 1e-12)
 
 
 DEGENERATE = {

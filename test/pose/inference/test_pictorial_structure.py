@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.pose.forest.votes import Votes
+from lsc_pose_ros.pose.inference.candidates import Candidates
 from lsc_pose_ros.pose.inference.density import VoteCloud
 from lsc_pose_ros.pose.inference.pictorial_structure import (
-    Candidates,
     Structure,
     ascend,
     best_candidates,

@@ -43,8 +43,8 @@ def mpfb2() -> Path:
 def original(mpfb2):
     """Return the base mesh, metres, and the displacements of all macro targets by name."""
     text = (mpfb2 / '3dobjs' / 'base.obj').read_text()
-    base = [line.split()[1:4] for line in text.splitlines() if line.startswith('v ')]
-    base = np.array(base, float) / 10
+    words = [line.split()[1:4] for line in text.splitlines() if line.startswith('v ')]
+    base = np.array(words, float) / 10
     moves = {}
     for path in sorted((mpfb2 / 'targets' / 'macrodetails').rglob('*.target.gz')):
         moves[path.name.removesuffix('.target.gz')] = read_moves(path, len(base))
@@ -54,9 +54,9 @@ def original(mpfb2):
 def read_moves(path, count):
     moves = np.zeros((count, 3), np.float32)
     with gzip.open(path, 'rt') as lines:
-        rows = [line.split() for line in lines if line[0].isdigit()]
-    if rows:
-        rows = np.array(rows, float)
+        words = [line.split() for line in lines if line[0].isdigit()]
+    if words:
+        rows = np.array(words, float)
         moves[rows[:, 0].astype(int)] = rows[:, 1:] / 10
     return moves
 
@@ -72,7 +72,8 @@ def random_figures(count, seed):
         if number % 2:
             names = random.choice(list(MEASURES), 3, replace=False)
             measures = dict(zip(map(str, names), random.uniform(-1, 1, 3), strict=True))
-        yield BodyShape(float(age), *map(float, values), measures=measures)
+        sex, height, weight, muscle, proportions = map(float, values)
+        yield BodyShape(float(age), sex, height, weight, muscle, proportions, measures)
 
 
 def makehuman_shape(body_shape, original, mpfb2):

@@ -15,12 +15,11 @@ from lsc_pose_ros.synthetic.body.body_mesh import (
 )
 from lsc_pose_ros.synthetic.body.bone_rotations import rig_of
 from lsc_pose_ros.synthetic.body.collision_avoidance import (
-    MAX_PENETRATION,
     nearest_points,
     resolve_collisions,
     rotation_about,
 )
-from lsc_pose_ros.synthetic.body.self_collision import fit_capsules
+from lsc_pose_ros.synthetic.body.self_collision import MAX_PENETRATION, fit_capsules
 
 
 @pytest.fixture(scope='module')
