@@ -1,8 +1,9 @@
-"""A recording as frames: what training, evaluation, replay and the pictures read."""
+"""Reads the frames of a recording."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import TypeAlias
 
 from lsc_pose_ros.bags.serialization.deserialize import (
     DamagedMessageError,
@@ -15,159 +16,171 @@ from lsc_pose_ros.bags.storage.reader import RecordingReader
 from lsc_pose_ros.bags.storage.serialized_messages import ReadStatistics, SerializedMessage
 from lsc_pose_ros.bags.topics import RecordedTopics, Topics, find_topics
 from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.frames import make_frame
 from lsc_pose_ros.messages.image_pixels import AnyImage
-from lsc_pose_ros.messages.parse import StampedImage
+from lsc_pose_ros.messages.parse import StampedCamera, StampedImage
 from lsc_pose_ros.messages.type_names import IMAGE
-from lsc_pose_ros.synchronization.frame_assembly import Assembled, Assembly
+from lsc_pose_ros.synchronization.synchronizer import (
+    SynchronizedFrame,
+    Synchronizer,
+    SynchronizerSettings,
+)
 
-# How far a recording is read to learn the encodings of its images.
+# How many messages are read at most to find the encodings of the images.
 _MOST_PEEKED = 5000
 
-_ALL_TO_FIND = Topics()
+_FIND_ALL = Topics()
+
+_Synchronizer: TypeAlias = Synchronizer[AnyImage, AnyImage, StampedCamera, Skeletons]
+_Parts: TypeAlias = SynchronizedFrame[AnyImage, AnyImage, StampedCamera, Skeletons]
 
 
 class FrameReader:
-    """The frames of a recording; each iteration starts anew and needs little memory.
+    """The frames of a recording; each iteration reads the recording again in bounded memory.
 
     Attributes:
         path: the file or the bag folder.
-        topics: the topics that the frames are made of; '' where there is none.
-        warnings: a sentence for each thing that is wrong with the recording; the list grows
-            while it is read and starts anew with each iteration.
+        topics: the topics of the frames; '' for one that the recording does not have.
+        warnings: a sentence for each problem of the recording. The list grows during an iteration
+            and is cleared by the next one.
     """
 
-    def __init__(self, raw: RecordingReader, topics: Topics, mask_background: int) -> None:
-        """Read frames from `raw`; `open_recording` is the way to make one."""
-        self._raw = raw
-        self._background = mask_background
-        self.path = raw.path
+    def __init__(self, messages: RecordingReader, topics: Topics, mask_background: int) -> None:
+        """Read frames from `messages`; use `open_recording` to create one."""
+        self._messages = messages
+        self._mask_background = mask_background
+        self.path = messages.path
         self.topics = topics
-        self.warnings = raw.warnings
+        self.warnings = messages.warnings
 
     @property
     def count(self) -> int | None:
-        """How many depth images the recording says it has, None where it does not say."""
-        return self._raw.topics[self.topics.depth].count
+        """The number of depth images according to the recording, None if it is unknown."""
+        return self._messages.topics[self.topics.depth].count
 
     @property
     def statistics(self) -> ReadStatistics:
-        """What the running or last iteration has read, of all topics."""
-        return self._raw.statistics
+        """What the current or last iteration has read, of all topics."""
+        return self._messages.statistics
 
     def __iter__(self) -> Iterator[Frame]:
-        """Yield the frames in the order of their arrival.
+        """Yield the frames in the order of their messages.
 
         Raises:
-            InputError: a message cannot be used, or there is no complete frame at all.
+            InputError: a message cannot be used, or there is no complete frame.
         """
-        reading = _Reading(self._raw, self.topics)
+        reading = _Reading(self._messages, self.topics)
         frames = 0
-        for assembled in reading.assembled():
+        for parts in reading.synchronized():
             frames += 1
-            yield self._frame(assembled)
+            yield self._make_frame(parts)
         self.warnings.extend(reading.warnings())
         if frames == 0:
-            raise InputError(self._no_frame(reading))
+            msg = f'{self.path}: no frame could be read: {reading.reason_for_no_frame()}'
+            raise InputError('; '.join([msg, *self.warnings]))
 
-    def _frame(self, assembled: Assembled[AnyImage]) -> Frame:
-        if assembled.camera is None:
-            msg = 'a frame without camera info must not be released'
-            raise AssertionError(msg)
+    def _make_frame(self, parts: _Parts) -> Frame:
         try:
             return make_frame(
-                assembled.depth,
-                assembled.mask,
-                assembled.camera,
-                assembled.ground_truth,
+                parts.depth,
+                parts.mask,
+                parts.camera_info,
+                parts.ground_truth,
                 topics=self.topics,
-                mask_background=self._background,
+                mask_background=self._mask_background,
             )
         except InputError as error:
             msg = f'{self.path}: topic {error}'
             raise InputError(msg) from error
 
-    def _no_frame(self, reading: '_Reading') -> str:
-        """Say why there is no frame."""
-        counts = reading.counts
-        used = [topic for topic in self.topics[:3] if topic]
-        empty = [topic for topic in used if not counts[topic]]
-        if empty:
-            why = f'there is no usable message of {", ".join(empty)}'
-        elif reading.assembly.without_camera:
-            why = f'no camera info of {self.topics.camera_info} came in time'
-        else:
-            why = f'no mask of {self.topics.mask} has the stamp of a depth image'
-        return '; '.join([f'{self.path}: no frame could be read: {why}', *self.warnings])
-
 
 class _Reading:
     """One pass through a recording."""
 
-    def __init__(self, raw: RecordingReader, topics: Topics) -> None:
-        self._raw = raw
+    def __init__(self, messages: RecordingReader, topics: Topics) -> None:
+        self._messages = messages
         self._topics = topics
         self._damaged: Counter[str] = Counter()
-        self.counts: Counter[str] = Counter()
-        self.assembly: Assembly[AnyImage] = Assembly(
-            with_mask=bool(topics.mask), with_ground_truth=bool(topics.ground_truth)
+        self._counts: Counter[str] = Counter()
+        self._synchronizer: _Synchronizer = Synchronizer(
+            SynchronizerSettings(
+                with_masks=bool(topics.mask), with_ground_truth=bool(topics.ground_truth)
+            )
         )
 
-    def assembled(self) -> Iterator[Assembled[AnyImage]]:
-        wanted = frozenset(filter(None, self._topics))
-        for message in self._raw:
-            if message.topic in wanted:
+    def synchronized(self) -> Iterator[_Parts]:
+        """Yield the parts of each frame."""
+        frame_topics = frozenset(filter(None, self._topics))
+        for message in self._messages:
+            if message.topic in frame_topics:
                 yield from self._add(message)
-        yield from self.assembly.finish()
+        yield from self._synchronizer.finish()
 
     def warnings(self) -> list[str]:
-        """Return a sentence for each kind of thing that was left out."""
-        pairing, topics = self.assembly.pairing, self._topics
+        """Return a sentence for each kind of messages that were left out."""
+        dropped, topics = self._synchronizer.dropped, self._topics
+        damaged = [
+            f'{count} damaged messages of {topic} were left out'
+            for topic, count in self._damaged.items()
+        ]
         return [
-            *(
-                f'{count} damaged messages of {topic} were left out'
-                for topic, count in self._damaged.items()
-            ),
-            *_left_out(pairing.dropped_depth, topics.depth, f'have no mask in {topics.mask}'),
-            *_left_out(pairing.dropped_mask, topics.mask, f'have no image in {topics.depth}'),
-            *_left_out(pairing.duplicates, 'the images', 'repeat the stamp of another'),
+            *damaged,
+            *_left_out(dropped.unmatched_depth, topics.depth, f'have no mask in {topics.mask}'),
+            *_left_out(dropped.unmatched_masks, topics.mask, f'have no image in {topics.depth}'),
+            *_left_out(dropped.duplicates, 'the images', 'repeat the stamp of another'),
             *_left_out(
-                self.assembly.without_camera,
+                self._synchronizer.without_camera_info,
                 topics.depth,
                 f'came long before the first camera info of {topics.camera_info}',
             ),
         ]
 
-    def _add(self, message: SerializedMessage) -> list[Assembled[AnyImage]]:
+    def reason_for_no_frame(self) -> str:
+        """Return why there is no frame."""
+        topics = self._topics
+        missing = [
+            topic
+            for topic in (topics.depth, topics.camera_info, topics.mask)
+            if topic and not self._counts[topic]
+        ]
+        if missing:
+            return f'there is no usable message of {", ".join(missing)}'
+        if self._synchronizer.without_camera_info:
+            return f'no camera info of {topics.camera_info} came in time'
+        return f'no mask of {topics.mask} has the stamp of a depth image'
+
+    def _add(self, message: SerializedMessage) -> list[_Parts]:
         try:
             frames = self._dispatch(message)
         except DamagedMessageError:
             self._damaged[message.topic] += 1
             return []
         except InputError as error:
-            msg = f'{self._raw.path}: topic {message.topic}: {error}'
+            msg = f'{self._messages.path}: topic {message.topic}: {error}'
             raise InputError(msg) from error
-        self.counts[message.topic] += 1
+        self._counts[message.topic] += 1
         return frames
 
-    def _dispatch(self, message: SerializedMessage) -> list[Assembled[AnyImage]]:
+    def _dispatch(self, message: SerializedMessage) -> list[_Parts]:
         topics = self._topics
         if message.topic == topics.depth:
-            depth = _read(message)
-            return self.assembly.add_depth(depth.stamp, depth)
+            depth = _read_any_image(message)
+            return self._synchronizer.add_depth(depth.stamp, depth)
         if message.topic == topics.mask:
-            mask = _read(message)
-            return self.assembly.add_mask(mask.stamp, mask)
+            mask = _read_any_image(message)
+            return self._synchronizer.add_mask(mask.stamp, mask)
         if message.topic == topics.camera_info:
-            return self.assembly.add_camera(read_camera_info(message.data))
+            camera = read_camera_info(message.data)
+            return self._synchronizer.add_camera_info(camera.stamp, camera)
         ground_truth = read_skeletons(message.data)
-        return self.assembly.add_ground_truth(ground_truth.stamp, ground_truth.skeletons)
+        return self._synchronizer.add_ground_truth(ground_truth.stamp, ground_truth.skeletons)
 
 
 def open_recording(
     path: Path | str,
-    topics: Topics = _ALL_TO_FIND,
+    topics: Topics = _FIND_ALL,
     *,
     mask_background: int = 0,
     need_mask: bool = True,
@@ -183,30 +196,32 @@ def open_recording(
     Raises:
         InputError: there is no recording, or a topic is missing or ambiguous.
     """
-    raw = RecordingReader(path)
-    recorded = RecordedTopics(str(raw.path), raw.topics, lambda names: _encodings(raw, names))
-    if not any(topic.count != 0 for topic in raw.topics.values()):
-        list(raw)  # for what it warns of
-        raise InputError('; '.join([f'{path}: the recording has no messages', *raw.warnings]))
+    messages = RecordingReader(path)
+    recorded = RecordedTopics(
+        str(messages.path), messages.topics, lambda names: _encodings(messages, names)
+    )
+    if not any(topic.count != 0 for topic in messages.topics.values()):
+        list(messages)  # for what it warns of
+        raise InputError('; '.join([f'{path}: the recording has no messages', *messages.warnings]))
     found = find_topics(topics, recorded, need_mask=need_mask)
-    return FrameReader(raw, found, mask_background)
+    return FrameReader(messages, found, mask_background)
 
 
-def _read(message: SerializedMessage) -> AnyImage:
+def _read_any_image(message: SerializedMessage) -> AnyImage:
     if message.type_name == IMAGE:
         return read_image(message.data)
     return read_compressed_image(message.data)
 
 
-def _encodings(raw: RecordingReader, names: Sequence[str]) -> Mapping[str, str]:
+def _encodings(messages: RecordingReader, names: Sequence[str]) -> Mapping[str, str]:
     """Return the encoding of the first image of each topic in `names`."""
     encodings: dict[str, str] = {}
-    for number, message in enumerate(raw):
+    for number, message in enumerate(messages):
         if number > _MOST_PEEKED or len(encodings) == len(names):
             break
         if message.topic in names and message.topic not in encodings:
             try:
-                image = _read(message)
+                image = _read_any_image(message)
             except DamagedMessageError:
                 continue
             encodings[message.topic] = (

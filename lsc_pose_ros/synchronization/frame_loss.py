@@ -29,7 +29,7 @@ _PAUSE = 2_000_000_000
 _Steps = npt.NDArray[np.float64]
 
 
-class Cadence:
+class FrameLoss:
     """Finds the period of a stream from its stamps, and counts the frames that must be missing.
 
     Two explanations of the steps compete, by their likelihood: stamps that jitter about an even

@@ -79,7 +79,7 @@ class Pairing(Generic[DepthItem, MaskItem]):
         self._newest_depth = max(self._newest_depth, stamp)
         self._depth[stamp] = item
         pairs = self._pairs_with(stamp)
-        self.dropped_depth += _shorten(self._depth, self._capacity)
+        self.dropped_depth += drop_oldest(self._depth, self._capacity)
         return pairs
 
     def add_mask(self, stamp: int, item: MaskItem) -> list[tuple[int, DepthItem, MaskItem]]:
@@ -94,7 +94,7 @@ class Pairing(Generic[DepthItem, MaskItem]):
         self._newest_mask = max(self._newest_mask, stamp)
         self._mask[stamp] = item
         pairs = self._pairs_with(stamp)
-        self.dropped_mask += _shorten(self._mask, self._capacity)
+        self.dropped_mask += drop_oldest(self._mask, self._capacity)
         return pairs
 
     def finish(self) -> list[tuple[int, DepthItem, MaskItem]]:
@@ -152,8 +152,8 @@ class Pairing(Generic[DepthItem, MaskItem]):
         # Kept for a while, so that a repeated image does not wait for ever.
         self._paired_depth[depth_stamp] = None
         self._paired_mask[mask_stamp] = None
-        _shorten(self._paired_depth, self._capacity)
-        _shorten(self._paired_mask, self._capacity)
+        drop_oldest(self._paired_depth, self._capacity)
+        drop_oldest(self._paired_mask, self._capacity)
         if self._in_order:
             self._last_depth, self._last_mask = depth_stamp, mask_stamp
             self.dropped_depth += _drop_older(self._depth, depth_stamp)
@@ -175,7 +175,7 @@ def _drop_older(items: OrderedDict[int, Item], stamp: int) -> int:
     return len(older)
 
 
-def _shorten(items: OrderedDict[int, Item], capacity: int) -> int:
+def drop_oldest(items: OrderedDict[int, Item], capacity: int) -> int:
     """Remove the oldest of `items` until they fit; return how many were removed."""
     removed = 0
     while len(items) > capacity:

@@ -1,43 +1,51 @@
-"""Depth images, masks and camera infos joined into what the method needs; no ROS in here."""
+"""Joins depth images, masks, camera infos and ground truth by stamp, live and from recordings."""
 
-from collections.abc import Callable
+from collections import OrderedDict, deque
+from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
-from lsc_pose_ros.synchronization.frame_loss import Cadence
-from lsc_pose_ros.synchronization.pairing import Pairing
+from lsc_pose_ros.synchronization.camera_infos import CameraInfos
+from lsc_pose_ros.synchronization.pairing import Pairing, drop_oldest
 
 Depth = TypeVar('Depth')
 Mask = TypeVar('Mask')
 CameraInfo = TypeVar('CameraInfo')
+GroundTruth = TypeVar('GroundTruth')
 
-# A depth image this much older than the newest one: its source has begun again.
-REWIND_NS = 500_000_000
-
-_BEFORE_ALL = -1
+_BEFORE_ALL = -(1 << 63)
 
 
-class PairingSettings(NamedTuple):
-    """How depth images and masks find each other.
+class SynchronizerSettings(NamedTuple):
+    """Settings of a Synchronizer.
 
     Attributes:
-        slop_ns: how far apart, in nanoseconds, the stamps of a pair may be.
-        capacity: how many of each kind wait for a partner.
-        with_masks: whether there are masks at all; if not, each depth image is complete alone.
+        slop_ns: the largest difference between the stamps of a depth image and its mask,
+            nanoseconds.
+        capacity: how many depth images, and how many masks, wait for their partner.
+        waiting: how many frames wait for their camera info and ground truth.
+        with_masks: False if there are no masks: frames do not wait for one.
+        with_ground_truth: False if there is no ground truth: frames do not wait for it.
+        live: True for frames with increasing stamps, as soon as possible: a late image is left
+            out, and a frame takes the newest camera info if the infos have other stamps than the
+            images. False for all frames of a recording, however long they wait.
     """
 
-    slop_ns: int
-    capacity: int
+    slop_ns: int = 0
+    capacity: int = 100
+    waiting: int = 30
     with_masks: bool = True
+    with_ground_truth: bool = False
+    live: bool = False
 
 
-class LeftOut(NamedTuple):
-    """How many images were left out, and why.
+class DropCounts(NamedTuple):
+    """How many images were left out, by reason.
 
     Attributes:
-        unmatched_depth: depth images for which no mask came; ordinary where masks are slower.
-        unmatched_masks: masks for which no depth image came.
-        duplicates: images whose stamp had been there already.
-        late: images that came after a newer pair had been delivered.
+        unmatched_depth: depth images without a mask; normal if masks have a lower rate.
+        unmatched_masks: masks without a depth image.
+        duplicates: images that repeat the stamp of another.
+        late: images older than a frame that was already released; only live.
     """
 
     unmatched_depth: int = 0
@@ -46,68 +54,75 @@ class LeftOut(NamedTuple):
     late: int = 0
 
 
-class Gathering(Generic[Depth, Mask, CameraInfo]):
-    """Joins three streams: depth and mask by stamp, and with them the newest camera info.
+@dataclass(frozen=True)
+class SynchronizedFrame(Generic[Depth, Mask, CameraInfo, GroundTruth]):
+    """The parts of one frame; `stamp` is the depth image's, nanoseconds."""
 
-    Pairs are delivered with increasing stamps, so that whoever follows bodies over time never
-    goes back. A pair that comes before any camera info waits for it, but only the newest does.
+    stamp: int
+    depth: Depth
+    mask: Mask | None
+    camera_info: CameraInfo
+    ground_truth: GroundTruth | None
+
+
+@dataclass
+class _WaitingFrame(Generic[Depth, Mask, CameraInfo, GroundTruth]):
+    stamp: int
+    depth: Depth
+    mask: Mask | None
+    camera_info: CameraInfo | None = None
+    ground_truth: GroundTruth | None = None
+    needs_ground_truth: bool = False
+
+    @property
+    def complete(self) -> bool:
+        return self.camera_info is not None and not self.needs_ground_truth
+
+
+class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
+    """Joins four streams in bounded memory. The items may be of any type.
+
+    Each `add_` method and `finish` return the frames that have become complete, in the order in
+    which depth images and masks were paired.
+
+    A frame waits for the camera info and the ground truth of its own stamp until they come, or
+    newer ones come, or `waiting` newer frames wait. Without an own camera info it gets the last
+    one that came before the newer one, or the first of all; so one camera info is enough for a
+    whole recording. See `CameraInfos` for live streams.
 
     Attributes:
-        depth: how many depth images have come.
-        masks: how many masks.
-        camera_infos: how many camera infos.
-        pairs: how many depth images have found their mask, or are complete without one.
-        rewinds: how often the depth images' stamps went back, as when a recording is repeated.
-        out_of_order: how many depth images and masks came after a newer one of their kind.
+        pairs: how many depth images have got their mask, or need none.
+        without_camera_info: frames that were dropped because no camera info had come.
     """
 
-    def __init__(
-        self,
-        settings: PairingSettings,
-        deliver: Callable[[Depth, Mask | None, CameraInfo], None],
-    ) -> None:
-        """Start with nothing.
-
-        Args:
-            settings: of the pairing.
-            deliver: called with each depth image, its mask and the camera info.
-        """
+    def __init__(self, settings: SynchronizerSettings) -> None:
+        """Start with no items."""
         self._settings = settings
-        self._deliver = deliver
-        self._pairing = self._new_pairing()
-        self._earlier = LeftOut()
-        self._cadence = Cadence()
-        self._newest_depth = self._newest_mask = 0
-        self._newest_alone = _BEFORE_ALL
-        self._camera_info: CameraInfo | None = None
-        self._without_camera: tuple[Depth, Mask | None] | None = None
-        self.depth = 0
-        self.masks = 0
-        self.camera_infos = 0
+        self._pairing: Pairing[Depth, Mask] = self._new_pairing()
+        self._waiting: deque[_WaitingFrame[Depth, Mask, CameraInfo, GroundTruth]] = deque()
+        self._camera_infos: CameraInfos[CameraInfo] = CameraInfos(
+            2 * settings.capacity, live=settings.live
+        )
+        self._ground_truths: OrderedDict[int, GroundTruth] = OrderedDict()
+        self._last_stamp = _BEFORE_ALL
+        self._dropped_before = DropCounts()
         self.pairs = 0
-        self.rewinds = 0
-        self.out_of_order = 0
+        self.without_camera_info = 0
 
     @property
-    def missing(self) -> int:
-        """How many depth images must be missing, by the gaps between the stamps."""
-        return self._cadence.missing
-
-    @property
-    def left_out(self) -> LeftOut:
-        """How many images were left out, and why."""
-        pairing = self._pairing
-        earlier = self._earlier
-        return LeftOut(
-            earlier.unmatched_depth + pairing.dropped_depth,
-            earlier.unmatched_masks + pairing.dropped_mask,
-            earlier.duplicates + pairing.duplicates,
-            earlier.late + pairing.late,
+    def dropped(self) -> DropCounts:
+        """How many images were left out."""
+        pairing, before = self._pairing, self._dropped_before
+        return DropCounts(
+            before.unmatched_depth + pairing.dropped_depth,
+            before.unmatched_masks + pairing.dropped_mask,
+            before.duplicates + pairing.duplicates,
+            before.late + pairing.late,
         )
 
     @property
     def slop_ns(self) -> int:
-        """How far apart, in nanoseconds, the stamps of a pair may be; may be changed."""
+        """The largest difference between the stamps of a pair, nanoseconds; can be changed."""
         return self._settings.slop_ns
 
     @slop_ns.setter
@@ -115,68 +130,123 @@ class Gathering(Generic[Depth, Mask, CameraInfo]):
         self._settings = self._settings._replace(slop_ns=slop_ns)
         self._pairing.slop_ns = slop_ns
 
-    def add_depth(self, stamp: int, image: Depth) -> None:
-        """Take a depth image; `stamp` in nanoseconds."""
-        self.depth += 1
-        if stamp < self._newest_depth - REWIND_NS:
-            self._begin_again()
-        if stamp > self._newest_depth:
-            self._newest_depth = stamp
-            self._cadence.add(stamp)
-        elif stamp < self._newest_depth:
-            self.out_of_order += 1
+    def add_depth(
+        self, stamp: int, depth: Depth
+    ) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Add a depth image; `stamp` in nanoseconds."""
+        self._camera_infos.add_image(stamp)
         if self._settings.with_masks:
-            self._add_pairs(self._pairing.add_depth(stamp, image))
-        else:
-            self._add_alone(stamp, image)
+            return self._add_pairs(self._pairing.add_depth(stamp, depth))
+        if self._settings.live and not self._is_newer(stamp):
+            return self._release()
+        return self._add_pairs([(stamp, depth, None)])
 
-    def add_mask(self, stamp: int, image: Mask) -> None:
-        """Take a mask; `stamp` in nanoseconds."""
-        self.masks += 1
-        if stamp < self._newest_mask:
-            self.out_of_order += 1
-        self._newest_mask = max(self._newest_mask, stamp)
-        self._add_pairs(self._pairing.add_mask(stamp, image))
+    def add_mask(
+        self, stamp: int, mask: Mask
+    ) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Add a mask; `stamp` in nanoseconds."""
+        return self._add_pairs(self._pairing.add_mask(stamp, mask))
 
-    def add_camera_info(self, info: CameraInfo) -> None:
-        """Take a camera info."""
-        self.camera_infos += 1
-        self._camera_info = info
-        if self._without_camera is not None:
-            waiting, self._without_camera = self._without_camera, None
-            self._deliver(*waiting, info)
+    def add_camera_info(
+        self, stamp: int, info: CameraInfo
+    ) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Add a camera info; `stamp` in nanoseconds."""
+        previous = self._camera_infos.newest
+        self._camera_infos.add(stamp, info)
+        for frame in self._waiting:
+            if frame.camera_info is None and frame.stamp < stamp:
+                frame.camera_info = info if previous is None else previous
+        return self._release()
 
-    def _add_alone(self, stamp: int, depth: Depth) -> None:
-        """Take a depth image that needs no mask."""
-        left_out = self._earlier
-        if stamp == self._newest_alone:
-            self._earlier = left_out._replace(duplicates=left_out.duplicates + 1)
-        elif stamp < self._newest_alone:
-            self._earlier = left_out._replace(late=left_out.late + 1)
-        else:
-            self._newest_alone = stamp
-            self._add_pair(depth, None)
+    def add_ground_truth(
+        self, stamp: int, ground_truth: GroundTruth
+    ) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Add ground truth; `stamp` in nanoseconds."""
+        for frame in self._waiting:
+            if frame.needs_ground_truth and frame.stamp <= stamp:
+                frame.ground_truth = ground_truth if frame.stamp == stamp else None
+                frame.needs_ground_truth = False
+        self._ground_truths[stamp] = ground_truth
+        drop_oldest(self._ground_truths, 2 * self._settings.capacity)
+        return self._release()
 
-    def _add_pairs(self, pairs: list[tuple[int, Depth, Mask]]) -> None:
-        for _, depth, mask in pairs:
-            self._add_pair(depth, mask)
-
-    def _add_pair(self, depth: Depth, mask: Mask | None) -> None:
-        self.pairs += 1
-        if self._camera_info is None:
-            self._without_camera = (depth, mask)
-        else:
-            self._deliver(depth, mask, self._camera_info)
-
-    def _begin_again(self) -> None:
-        self.rewinds += 1
+    def finish(self) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Return the frames that still wait, because nothing more will come."""
         self._pairing.finish()
-        self._earlier = self.left_out
+        return self._release(0)
+
+    def restart(self) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Return the frames that still wait, and forget all stamps, for streams that start over.
+
+        The newest camera info and the counts are kept.
+        """
+        frames = self.finish()
+        self._dropped_before = self.dropped
         self._pairing = self._new_pairing()
-        self._cadence.restart()
-        self._newest_depth = self._newest_mask = 0
-        self._newest_alone = _BEFORE_ALL
+        self._camera_infos.forget_stamps()
+        self._ground_truths.clear()
+        self._last_stamp = _BEFORE_ALL
+        return frames
 
     def _new_pairing(self) -> Pairing[Depth, Mask]:
         settings = self._settings
-        return Pairing(slop_ns=settings.slop_ns, capacity=settings.capacity, in_order=True)
+        return Pairing(
+            slop_ns=settings.slop_ns, capacity=settings.capacity, in_order=settings.live
+        )
+
+    def _is_newer(self, stamp: int) -> bool:
+        """Return whether a depth image without mask is newer than the last one; else count it."""
+        before = self._dropped_before
+        if stamp == self._last_stamp:
+            self._dropped_before = before._replace(duplicates=before.duplicates + 1)
+        elif stamp < self._last_stamp:
+            self._dropped_before = before._replace(late=before.late + 1)
+        else:
+            self._last_stamp = stamp
+            return True
+        return False
+
+    def _add_pairs(
+        self, pairs: list[tuple[int, Depth, Mask]] | list[tuple[int, Depth, None]]
+    ) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        released = self._release()
+        for stamp, depth, mask in pairs:
+            self.pairs += 1
+            ground_truth = self._ground_truths.get(stamp)
+            needed = self._settings.with_ground_truth and ground_truth is None
+            self._waiting.append(
+                _WaitingFrame(
+                    stamp, depth, mask, ground_truth=ground_truth, needs_ground_truth=needed
+                )
+            )
+            released += self._release()
+        return released
+
+    def _release(
+        self, most_waiting: int | None = None
+    ) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Return the frames that need to wait no longer.
+
+        Args:
+            most_waiting: how many frames may wait; None for the settings.
+        """
+        if most_waiting is None:
+            # Without any camera info, which may never come, a live stream keeps the newest frame.
+            no_info = self._settings.live and self._camera_infos.newest is None
+            most_waiting = 1 if no_info else self._settings.waiting
+        for frame in self._waiting:
+            if frame.camera_info is None:
+                frame.camera_info = self._camera_infos.find(frame.stamp)
+        released = []
+        while self._waiting and (self._waiting[0].complete or len(self._waiting) > most_waiting):
+            frame = self._waiting.popleft()
+            info = self._camera_infos.newest if frame.camera_info is None else frame.camera_info
+            if info is None:
+                self.without_camera_info += 1
+            else:
+                released.append(
+                    SynchronizedFrame(
+                        frame.stamp, frame.depth, frame.mask, info, frame.ground_truth
+                    )
+                )
+        return released

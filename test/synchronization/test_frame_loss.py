@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.synchronization.frame_loss import Cadence
+from lsc_pose_ros.synchronization.frame_loss import FrameLoss
 
 PERIOD = 33_333_333
 START = 10**18
@@ -21,11 +21,11 @@ def at_even_pace(numbers: np.ndarray, jitter: float, seed: int) -> np.ndarray:
 
 def missing(stamps: np.ndarray) -> int:
     """What is counted; it never decreases."""
-    cadence = Cadence()
+    loss = FrameLoss()
     counts = []
     for stamp in stamps:
-        cadence.add(int(stamp))
-        counts.append(cadence.missing)
+        loss.add(int(stamp))
+        counts.append(loss.missing)
     assert counts == sorted(counts)
     return counts[-1]
 
@@ -107,10 +107,10 @@ def test_pause_makes_nothing_missing() -> None:
 
 
 def test_after_a_restart_only_new_stamps_count() -> None:
-    cadence = Cadence()
+    loss = FrameLoss()
     for number in range(35):
-        cadence.add(START + number * PERIOD)
-    cadence.restart()
+        loss.add(START + number * PERIOD)
+    loss.restart()
     for number in range(100):
-        cadence.add(START // 2 + 2 * number * PERIOD)
-    assert cadence.missing == 0
+        loss.add(START // 2 + 2 * number * PERIOD)
+    assert loss.missing == 0

@@ -1,4 +1,4 @@
-"""What the node listens to: depth images, masks and camera infos."""
+"""Subscribes to depth images, masks and camera infos, and synchronizes them."""
 
 from collections.abc import Callable
 
@@ -10,23 +10,27 @@ from lsc_pose_ros.messages.stamps import NANOSECONDS, nanoseconds
 from lsc_pose_ros.ros.health.stream_warnings import Counters, TopicNames
 from lsc_pose_ros.ros.health.throttled_log import Reports
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages, ImageMessage
-from lsc_pose_ros.ros.io.subscription import IMAGE_QUEUE_DEPTH, Subscribed, Wanted
+from lsc_pose_ros.ros.io.subscription import (
+    IMAGE_QUEUE_DEPTH,
+    SubscriptionRequest,
+    TopicSubscription,
+)
 from lsc_pose_ros.settings.table import MASK, NodeSettings
-from lsc_pose_ros.synchronization.synchronizer import Gathering, PairingSettings
+from lsc_pose_ros.synchronization.live_synchronizer import LiveSynchronizer
+from lsc_pose_ros.synchronization.synchronizer import SynchronizerSettings
 
-# How often publishers are looked for, seconds.
-_LOOK_PERIOD = 0.25
+# How often the subscriptions are adapted to the publishers, seconds.
+_DISCOVERY_PERIOD = 0.25
 
 
 class Inputs:
-    """The subscriptions, and the pairs that come of them.
+    """The subscriptions of the node.
 
-    With the parameter `reliability` at auto, a topic is subscribed once it has a publisher, in
-    the way in which all its publishers can be heard, and anew when that changes.
+    If the parameter `reliability` is auto, a topic is subscribed to when it has a publisher, with
+    a QoS that is compatible with all its publishers, and again when that QoS changes.
 
     Attributes:
-        gathering: where the messages find each other, and are counted.
-        topics: the full names of the topics, remapping done.
+        topics: the full names of the topics, after remapping.
     """
 
     def __init__(
@@ -36,89 +40,109 @@ class Inputs:
         reports: Reports,
         deliver: Callable[[FrameMessages], None],
     ) -> None:
-        """Subscribe.
+        """Create the subscriptions.
 
         Args:
             node: the node that subscribes.
             parameters: the node's.
-            reports: where trouble with publishers is told.
-            deliver: called with each pair, in the executor's thread.
+            reports: where problems with publishers are logged.
+            deliver: called with the messages of each frame, in the executor's thread.
         """
         self._node = node
         with_masks = parameters.segmentation == MASK
-        self.gathering: Gathering[ImageMessage, ImageMessage, CameraInfo] = Gathering(
-            PairingSettings(
-                round(parameters.sync_slop * NANOSECONDS), parameters.sync_queue, with_masks
-            ),
-            lambda depth, mask, info: deliver(FrameMessages(depth, mask, info)),
+        self._synchronizer: LiveSynchronizer[ImageMessage, ImageMessage, CameraInfo] = (
+            LiveSynchronizer(
+                SynchronizerSettings(
+                    slop_ns=round(parameters.sync_slop * NANOSECONDS),
+                    capacity=parameters.sync_queue,
+                    waiting=parameters.sync_queue,
+                    with_masks=with_masks,
+                ),
+                lambda frame: deliver(FrameMessages(frame.depth, frame.mask, frame.camera_info)),
+            )
         )
-        wanted = [
-            self._image('depth/image', 'depth_transport', parameters.depth_transport),
-            Wanted('depth/camera_info', CameraInfo, self.gathering.add_camera_info, latched=True),
+        requests = [
+            self._image_request('depth/image', 'depth_transport', parameters.depth_transport),
+            SubscriptionRequest(
+                'depth/camera_info', CameraInfo, self._add_camera_info, latched=True
+            ),
         ]
         if with_masks:
-            wanted.append(self._image('mask', 'mask_transport', parameters.mask_transport))
-        self._subscribed = [
-            Subscribed(node, each, parameters.reliability, reports) for each in wanted
+            requests.append(
+                self._image_request('mask', 'mask_transport', parameters.mask_transport)
+            )
+        self._subscriptions = [
+            TopicSubscription(node, request, parameters.reliability, reports)
+            for request in requests
         ]
-        self.topics = TopicNames(*(each.topic for each in self._subscribed))
+        self.topics = TopicNames(*(each.topic for each in self._subscriptions))
         self._timer = node.create_timer(
-            _LOOK_PERIOD, self._look, clock=Clock(clock_type=ClockType.STEADY_TIME)
+            _DISCOVERY_PERIOD,
+            self._update_subscriptions,
+            clock=Clock(clock_type=ClockType.STEADY_TIME),
         )
-        self._look()
+        self._update_subscriptions()
 
     def set_sync_slop(self, seconds: float) -> None:
-        """Change by how much the stamps of a depth image and its mask may differ."""
-        self.gathering.slop_ns = round(seconds * NANOSECONDS)
+        """Set the largest difference between the stamps of a depth image and its mask."""
+        self._synchronizer.slop_ns = round(seconds * NANOSECONDS)
 
     def publishers(self) -> dict[str, int]:
-        """Return how many publishers each topic has."""
-        return {each.topic: self._node.count_publishers(each.topic) for each in self._subscribed}
+        """Return the number of publishers of each topic."""
+        return {
+            each.topic: self._node.count_publishers(each.topic) for each in self._subscriptions
+        }
 
     def counters(self, replaced: int) -> Counters:
-        """Return how much has come and gone.
+        """Return the counts since the subscriptions were created.
 
         Args:
-            replaced: how many pairs gave way to a newer one before they were worked on.
+            replaced: how many frames a newer one replaced before they were estimated.
         """
-        gathering = self.gathering
+        synchronizer = self._synchronizer
         return Counters(
-            depth=gathering.depth,
-            masks=gathering.masks,
-            camera_infos=gathering.camera_infos,
-            pairs=gathering.pairs,
+            depth=synchronizer.depth,
+            masks=synchronizer.masks,
+            camera_infos=synchronizer.camera_infos,
+            pairs=synchronizer.pairs,
             replaced=replaced,
-            lost=sum(each.lost for each in self._subscribed),
-            rewinds=gathering.rewinds,
-            missing=gathering.missing,
-            out_of_order=gathering.out_of_order,
-            **gathering.left_out._asdict(),
+            lost=sum(each.lost for each in self._subscriptions),
+            rewinds=synchronizer.rewinds,
+            missing=synchronizer.missing,
+            out_of_order=synchronizer.out_of_order,
+            **synchronizer.dropped._asdict(),
         )
 
     def close(self) -> None:
-        """Unsubscribe."""
+        """Destroy the subscriptions."""
         self._node.destroy_timer(self._timer)
-        for each in self._subscribed:
+        for each in self._subscriptions:
             each.close()
 
-    def _look(self) -> None:
-        for each in self._subscribed:
-            each.look()
+    def _update_subscriptions(self) -> None:
+        for each in self._subscriptions:
+            each.update()
 
-    def _image(self, topic: str, parameter: str, transport: str) -> Wanted:
-        take = self._take_depth if parameter == 'depth_transport' else self._take_mask
-        if transport == 'raw':
-            kind: type[ImageMessage] = Image
-        else:
-            kind = CompressedImage
-            # As image_transport names it: the topic, remapped, and then the transport.
+    def _image_request(self, topic: str, parameter: str, transport: str) -> SubscriptionRequest:
+        add = self._add_depth if parameter == 'depth_transport' else self._add_mask
+        message_type: type[ImageMessage] = Image
+        if transport != 'raw':
+            message_type = CompressedImage
+            # The convention of image_transport: the remapped topic, then the transport.
             topic = f'{self._node.resolve_topic_name(topic)}/{transport}'
-        return Wanted(
-            topic, kind, take, transport_parameter=parameter, queue_depth=IMAGE_QUEUE_DEPTH
+        return SubscriptionRequest(
+            topic,
+            message_type,
+            add,
+            transport_parameter=parameter,
+            queue_depth=IMAGE_QUEUE_DEPTH,
         )
 
-    def _take_depth(self, image: ImageMessage) -> None:
-        self.gathering.add_depth(nanoseconds(image.header.stamp), image)
+    def _add_depth(self, image: ImageMessage) -> None:
+        self._synchronizer.add_depth(nanoseconds(image.header.stamp), image)
 
-    def _take_mask(self, image: ImageMessage) -> None:
-        self.gathering.add_mask(nanoseconds(image.header.stamp), image)
+    def _add_mask(self, image: ImageMessage) -> None:
+        self._synchronizer.add_mask(nanoseconds(image.header.stamp), image)
+
+    def _add_camera_info(self, info: CameraInfo) -> None:
+        self._synchronizer.add_camera_info(nanoseconds(info.header.stamp), info)

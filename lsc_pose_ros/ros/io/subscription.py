@@ -1,4 +1,4 @@
-"""One subscription that suits whatever publishers there are."""
+"""A subscription whose QoS follows that of the publishers."""
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
@@ -23,142 +23,146 @@ _RELIABILITIES = {
     'reliable': QoSReliabilityPolicy.RELIABLE,
 }
 
-# Enough for a burst: the callbacks only pass the messages on, so none waits here for long.
+# Enough for a burst: the callbacks only pass messages on, so that no message waits long.
 _QUEUE_DEPTH = 10
 
 IMAGE_QUEUE_DEPTH = 4
-"""For images: of 640x480 and faster than they can be taken, ten each held 8 MB more."""
+"""For images: ten of 640x480 in each queue took 8 MB more under overload."""
 
 
-class Wanted(NamedTuple):
-    """What to subscribe.
+class SubscriptionRequest(NamedTuple):
+    """A topic to subscribe to.
 
     Attributes:
-        topic: its name, not yet remapped.
-        message_type: the class of its messages.
-        take: called with each message.
-        latched: whether what was published before is wanted, too, where publishers keep it.
-        transport_parameter: the parameter that decides on the type of the messages, if any.
-        queue_depth: how many messages wait to be taken.
+        topic: the name before remapping.
+        message_type: the message class.
+        add: called with each message.
+        latched: True to receive earlier messages too, if the publishers keep them.
+        transport_parameter: the parameter that selects the message type, if any.
+        queue_depth: the QoS depth.
     """
 
     topic: str
     message_type: type[Any]
-    take: Callable[[Any], None]
+    add: Callable[[Any], None]
     latched: bool = False
     transport_parameter: str = ''
     queue_depth: int = _QUEUE_DEPTH
 
 
-class Subscribed:
-    """A topic that is listened to.
+class TopicSubscription:
+    """The subscription of one topic.
 
     Attributes:
-        topic: its full name, remapping done.
-        lost: how many messages the middleware says it has lost.
+        topic: the full name, after remapping.
+        lost: how many messages are lost according to the middleware.
     """
 
-    def __init__(self, node: Node, wanted: Wanted, reliability: str, reports: Reports) -> None:
-        """Subscribe, or prepare to, where it depends on the publishers.
+    def __init__(
+        self, node: Node, request: SubscriptionRequest, reliability: str, reports: Reports
+    ) -> None:
+        """Subscribe; if `reliability` is auto, `update` does it.
 
         Args:
             node: the node that subscribes.
-            wanted: what.
-            reliability: best_effort, reliable, or auto for what all publishers offer.
-            reports: where trouble with publishers is told.
+            request: the topic.
+            reliability: best_effort, reliable, or auto for the QoS that all publishers offer.
+            reports: where problems with publishers are logged.
         """
-        self.topic = node.resolve_topic_name(wanted.topic)
+        self.topic = node.resolve_topic_name(request.topic)
         self.lost = 0
         self._node = node
-        self._wanted = wanted
+        self._request = request
         self._reports = reports
         self._automatic = reliability == AUTO
         self._profile: QoSProfile | None = None
         self._subscription: Subscription | None = None
         if not self._automatic:
             self._subscribe(
-                QoSProfile(depth=wanted.queue_depth, reliability=_RELIABILITIES[reliability])
+                QoSProfile(depth=request.queue_depth, reliability=_RELIABILITIES[reliability])
             )
 
-    def look(self) -> None:
-        """Look at the publishers; subscribe, or subscribe anew, as suits them."""
+    def update(self) -> None:
+        """Subscribe, or subscribe again, if the QoS of the publishers asks for it."""
         publishers = self._node.get_publishers_info_by_topic(self.topic)
-        suitable = [each for each in publishers if each.topic_type == self._type_name]
-        if len(suitable) < len(publishers):
-            self._tell_wrong_type(publishers)
-        if self._automatic and suitable:
-            profile = _profile_for(suitable, self._wanted)
+        matching = [each for each in publishers if each.topic_type == self._type_name]
+        if len(matching) < len(publishers):
+            self._report_wrong_type(publishers)
+        if self._automatic and matching:
+            profile = _profile_for(matching, self._request)
             if profile != self._profile:
                 self._subscribe(profile)
 
     def close(self) -> None:
-        """Unsubscribe."""
+        """Destroy the subscription."""
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
 
     @property
     def _type_name(self) -> str:
-        message_type = self._wanted.message_type
+        message_type = self._request.message_type
         return f'{message_type.__module__.partition(".")[0]}/msg/{message_type.__name__}'
 
     def _subscribe(self, profile: QoSProfile) -> None:
         self.close()
         self._profile = profile
         events = SubscriptionEventCallbacks(
-            incompatible_qos=self._tell_incompatible,
+            incompatible_qos=self._report_incompatible,
             message_lost=self._count_lost,
             use_default_callbacks=False,
         )
         try:
             self._subscription = self._create(profile, events)
-        except UnsupportedEventTypeError:  # not every middleware knows what it loses
+        except UnsupportedEventTypeError:  # not every middleware reports lost messages
             events.message_lost = None
             self._subscription = self._create(profile, events)
 
     def _create(self, profile: QoSProfile, events: SubscriptionEventCallbacks) -> Subscription:
-        wanted = self._wanted
+        request = self._request
         return self._node.create_subscription(
-            wanted.message_type, wanted.topic, wanted.take, profile, event_callbacks=events
+            request.message_type, request.topic, request.add, profile, event_callbacks=events
         )
 
     def _count_lost(self, event: Any) -> None:  # noqa: ANN401
         self.lost += event.total_count_change
 
-    def _tell_incompatible(self, event: Any) -> None:  # noqa: ANN401
+    def _report_incompatible(self, event: Any) -> None:  # noqa: ANN401
         if self._automatic:
-            return  # a publisher has just come; the next look at them suits it, too
+            return  # a new publisher: the next `update` adapts the QoS
         policy = qos_policy_name_from_kind(event.last_policy_kind)
         remedy = 'change the publisher'
         if policy == 'RELIABILITY':
-            remedy = 'set the parameter reliability to auto or best_effort, which suit it'
+            remedy = 'set the parameter reliability to auto or best_effort'
         self._reports.error(
             f'incompatible {self.topic}',
-            f'{self.topic}: a publisher offers an incompatible {policy}, so nothing comes from '
-            f'it; {remedy}',
+            f'{self.topic}: a publisher offers an incompatible {policy}, so its messages are not '
+            f'received; {remedy}',
         )
 
-    def _tell_wrong_type(self, publishers: Sequence[TopicEndpointInfo]) -> None:
+    def _report_wrong_type(self, publishers: Sequence[TopicEndpointInfo]) -> None:
         types = {each.topic_type for each in publishers} - {self._type_name}
         remedy = 'remap the node to another topic'
-        if self._wanted.transport_parameter:
-            remedy += f', or set the parameter {self._wanted.transport_parameter}'
+        if self._request.transport_parameter:
+            remedy += f', or set the parameter {self._request.transport_parameter}'
         self._reports.error(
             f'type of {self.topic}',
             f'{self.topic}: a publisher sends {", ".join(sorted(types))}, but '
-            f'{self._type_name} is needed, so nothing comes from it; {remedy}',
+            f'{self._type_name} is needed, so its messages are not received; {remedy}',
         )
 
 
-def _profile_for(publishers: Sequence[TopicEndpointInfo], wanted: Wanted) -> QoSProfile:
-    """Return the most that all of `publishers` offer."""
+def _profile_for(
+    publishers: Sequence[TopicEndpointInfo], request: SubscriptionRequest
+) -> QoSProfile:
+    """Return the strictest QoS that all `publishers` offer."""
     offered = [each.qos_profile for each in publishers]
     reliable = all(each.reliability == QoSReliabilityPolicy.RELIABLE for each in offered)
     kept = all(each.durability == QoSDurabilityPolicy.TRANSIENT_LOCAL for each in offered)
     return QoSProfile(
-        depth=wanted.queue_depth,
+        depth=request.queue_depth,
         reliability=_RELIABILITIES['reliable' if reliable else 'best_effort'],
         durability=QoSDurabilityPolicy.TRANSIENT_LOCAL
-        if wanted.latched and kept
+        if request.latched and kept
         else QoSDurabilityPolicy.VOLATILE,
     )
