@@ -14,7 +14,7 @@
 # limitations under the License.
 
 # ruff: noqa: INP001 - a program, not a package
-"""What `live.py` has measured, as a table."""
+"""Writes the results of `live.py` as a table."""
 
 import re
 from collections.abc import Sequence
@@ -27,20 +27,20 @@ from lsc_pose_ros.viz.drawing.canvas import write_beside
 _PATTERN = re.compile(r'(<!-- live -->\n).*(<!-- live end -->)', re.DOTALL)
 
 _HEAD = [
-    'images', 'answers/s', 'latency p50, ms', 'p95', 'max', 'CPU, % of a core', 'memory, MB',
-    'its growth', 'at most', 'sent', 'left out for newer', 'unaccounted for', 'load average',
+    'images', 'frames/s', 'latency p50, ms', 'p95', 'max', 'CPU, % of a core', 'memory, MB',
+    'growth', 'at most', 'sent', 'left out for newer', 'unaccounted', 'load average',
 ]  # fmt: skip
 
 
 def write_live_table(results: dict[str, Any], path: Path) -> None:
-    """Put the table of `results` where the page at `path` has that of the last time.
+    """Replace the table of the page at `path` by that of `results`.
 
     Raises:
-        InputError: the page has no place for it.
+        InputError: the page has no marks for the table.
     """
     page = path.read_text(encoding='utf-8')
     if not _PATTERN.search(page):
-        msg = f'{path}: no lines <!-- live --> and <!-- live end -->; write them for the table'
+        msg = f'{path}: no lines <!-- live --> and <!-- live end -->; add them for the table'
         raise InputError(msg)
     text = f'{_machine(results)}\n\n{live_table(results["runs"])}'
     page = _PATTERN.sub(lambda found: f'{found[1]}\n{text}\n\n{found[2]}', page)
@@ -48,7 +48,7 @@ def write_live_table(results: dict[str, Any], path: Path) -> None:
 
 
 def live_table(runs: Sequence[dict[str, Any]]) -> str:
-    """Return a line for each of `runs`, in Markdown."""
+    """Return a Markdown table with one row per run."""
     lines = [_HEAD, ['---', *('---:' for _ in _HEAD[1:])], *(_row(run) for run in runs)]
     return '\n'.join(f'| {" | ".join(line)} |' for line in lines)
 
