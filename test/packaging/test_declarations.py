@@ -53,8 +53,8 @@ DEPENDENCIES: dict[str, tuple[str | None, str]] = {
 }
 
 # Messages that are looked up when they are needed, by their package or the name of their type:
-# /diagnostics, `replay --publish --clock`, publish_tf.
-IMPORTED_BY_NAME = {'diagnostic_msgs', 'rosgraph_msgs', 'tf2_msgs'}
+# stamps and durations, /diagnostics, `replay --publish --clock`, publish_tf.
+IMPORTED_BY_NAME = {'builtin_interfaces', 'diagnostic_msgs', 'rosgraph_msgs', 'tf2_msgs'}
 
 
 def imported_modules() -> set[str]:
