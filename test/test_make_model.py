@@ -121,7 +121,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     words = ('--points', '100', '--trees', '1', '--joints', 'torso', 'head', 'l_hand')
     recipe = table.Recipe((part,), others, views, views[:1], words, 8.0)
     monkeypatch.setitem(table.RECIPES, 'default', recipe)
-    monkeypatch.setattr(make, 'TRAINING_WORDS', ())
+    monkeypatch.setattr(make, 'COMMON_TRAIN_OPTIONS', ())
 
 
 def test_a_model_is_trained_and_evaluated_once(tiny: None, tmp_path: Path) -> None:

@@ -111,7 +111,7 @@ def test_command_passes_every_argument_on(monkeypatch: pytest.MonkeyPatch, tmp_p
 
 def test_command_leaves_no_file_when_it_fails(tmp_path: Path) -> None:
     output = tmp_path / 'people.mcap'
-    with pytest.raises(InputError, match='no place found'):
+    with pytest.raises(InputError, match='no placement found'):
         run_command(output, '--distance', 0.5, 0.6)
     with pytest.raises(InputError, match='frames is 0'):
         run_command(output, '--frames', 0)

@@ -91,7 +91,7 @@ def test_ages_and_statures_are_within_the_population() -> None:
     age, _, metres = sampled(Population(age=(8, 30), stature=(1.5, 1.6))).T
     assert 8 <= age.min() < age.max() <= 30
     assert 1.5 <= metres.min() < metres.max() <= 1.6
-    with pytest.raises(InputError, match=r'hardly anybody aged 2 to 3 is 1\.7 to 1\.8 m tall'):
+    with pytest.raises(InputError, match=r'almost nobody aged 2 to 3 is 1\.7 to 1\.8 m tall'):
         sample_stature(Population(age=(2, 3), stature=(1.7, 1.8)), source(0))
 
 

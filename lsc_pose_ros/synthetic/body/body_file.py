@@ -126,16 +126,16 @@ def _load(path: Path) -> BodyModel:
     except Exception as error:  # a damaged file can raise almost anything in numpy
         raise _wrong(path, str(error) or type(error).__name__) from error
     if arrays.pop('version') != VERSION:
-        raise _wrong(path, 'it is of another version')
+        raise _wrong(path, 'its version is not supported')
     for name, (kind, dimensions) in _ARRAYS.items():
         array = arrays[name]
         if array.dtype != kind or array.ndim != dimensions:
-            raise _wrong(path, f'its part {name} is {array.dtype} of {array.ndim} dimensions')
+            raise _wrong(path, f'its array {name} is {array.dtype} with {array.ndim} dimensions')
     arrays['components'] = np.ascontiguousarray(np.moveaxis(arrays['components'], 1, 2))
     arrays['provenance'] = str(arrays['provenance'])
     body = BodyModel(**arrays)
     if not _fits(body):
-        raise _wrong(path, 'its parts do not fit together')
+        raise _wrong(path, 'the shapes of its arrays do not fit')
     return body
 
 

@@ -73,7 +73,7 @@ class Rig(NamedTuple):
         numbers: the bones' numbers by name.
         parents: the number of each bone's parent, -1 for the root, shape (B,).
         heads: the bones' heads in the rest pose, metres, shape (B, 3).
-        straight: the bones' orientations in the standing pose, shape (B, 3, 3).
+        standing: the bones' orientations in the standing pose, shape (B, 3, 3).
         parts: the number of the body part that rotates each bone, shape (B,).
         shoulder: heads of the left clavicle, shoulder blade and upper arm, relative to the chest
             bone's head, metres, shape (3, 3).
@@ -87,7 +87,7 @@ class Rig(NamedTuple):
     numbers: dict[str, int]
     parents: NDArray[np.int64]
     heads: NDArray[np.float64]
-    straight: NDArray[np.float64]
+    standing: NDArray[np.float64]
     parts: NDArray[np.int64]
     shoulder: NDArray[np.float64]
     arm: NDArray[np.float64]
@@ -109,7 +109,7 @@ def rig_of(body: BodyModel, rest: RestBody) -> Rig:
         numbers=numbers,
         parents=body.parents.astype(np.int64),
         heads=np.ascontiguousarray(rest.heads, np.float64),
-        straight=np.ascontiguousarray(standing_orientations(body, rest)),
+        standing=np.ascontiguousarray(standing_orientations(body, rest)),
         parts=np.array([_part(name) for name in numbers]),
         shoulder=np.array([at[name] for name in ('clavicle.L', 'shoulder01.L', 'upperarm01.L')])
         - at['spine01'],
@@ -156,20 +156,20 @@ def pose_rotations(rig: Rig, angles: NDArray[np.float64]) -> NDArray[np.float64]
     Returns:
         The rotations, shape (N, B, 3, 3); the root's rotation includes no yaw.
     """
-    return relative_bone_rotations(np.atleast_2d(angles), rig.straight, rig.parts, rig.parents)
+    return relative_bone_rotations(np.atleast_2d(angles), rig.standing, rig.parts, rig.parents)
 
 
 @kernel
 def relative_bone_rotations(
     angles: NDArray[np.float64],
-    straight: NDArray[np.float64],
+    standing: NDArray[np.float64],
     parts: NDArray[np.int64],
     parents: NDArray[np.int64],
 ) -> NDArray[np.float64]:
     """Return the bones' rotations relative to their parents in N poses, shape (N, B, 3, 3)."""
     local = np.empty((len(angles), len(parents), 3, 3))
     for pose in range(len(angles)):
-        orientations = bone_orientations(angles[pose], straight, parts)
+        orientations = bone_orientations(angles[pose], standing, parts)
         local[pose, 0] = orientations[0]
         for bone in range(1, len(parents)):
             multiply_transposed(orientations[parents[bone]], orientations[bone], local[pose, bone])
@@ -178,13 +178,13 @@ def relative_bone_rotations(
 
 @kernel
 def bone_orientations(
-    angles: NDArray[np.float64], straight: NDArray[np.float64], parts: NDArray[np.int64]
+    angles: NDArray[np.float64], standing: NDArray[np.float64], parts: NDArray[np.int64]
 ) -> NDArray[np.float64]:
     """Return the bones' orientations in a pose, shape (A,), from the rest pose: (B, 3, 3)."""
     frames = part_orientations(angles)
-    orientations = np.empty_like(straight)
-    for bone in range(len(straight)):
-        multiply(frames[parts[bone]], straight[bone], orientations[bone])
+    orientations = np.empty_like(standing)
+    for bone in range(len(standing)):
+        multiply(frames[parts[bone]], standing[bone], orientations[bone])
     return orientations
 
 

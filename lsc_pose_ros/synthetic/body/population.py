@@ -99,7 +99,7 @@ def sample_stature(
             return age, sex, metres
     youngest, oldest = population.age
     msg = (
-        f'hardly anybody aged {youngest:g} to {oldest:g} is {smallest:g} to {tallest:g} m tall; '
+        f'almost nobody aged {youngest:g} to {oldest:g} is {smallest:g} to {tallest:g} m tall; '
         f'give a wider range of ages or statures'
     )
     raise InputError(msg)

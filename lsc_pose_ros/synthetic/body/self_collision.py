@@ -192,7 +192,7 @@ def pair_penetrations(
     """Return the penetration of each pair of capsules in a pose, shape (A,): metres, (P,)."""
     depths: NDArray[np.float64] = _penetrations(
         angles,
-        (rig.straight, rig.parts, rig.parents, rig.heads),
+        (rig.standing, rig.parts, rig.parents, rig.heads),
         (capsules.bones, capsules.ends, capsules.radii, capsules.pairs, capsules.allowed),
     )
     return depths
@@ -294,9 +294,9 @@ _CapsuleArrays = tuple[
 def _penetrations(
     angles: NDArray[np.float64], rig_arrays: _RigArrays, capsule_arrays: _CapsuleArrays
 ) -> NDArray[np.float64]:
-    straight, parts, parents, rest = rig_arrays
+    standing, parts, parents, rest = rig_arrays
     bones, ends, radii, pairs, allowed = capsule_arrays
-    orientations = bone_orientations(angles, straight, parts)
+    orientations = bone_orientations(angles, standing, parts)
     heads = bone_heads(orientations, parents, rest)
     posed = np.empty_like(ends)
     for capsule in range(len(bones)):

@@ -107,8 +107,8 @@ class Mocap:
         weights = np.cumsum(np.sqrt(np.array(sizes, np.float64)))
         return np.asarray(weights / weights[-1])
 
-    def _choose_clip(self, probability: float) -> CachedClip:
-        number = int(np.searchsorted(self._cumulative_probability, probability, side='right'))
+    def _choose_clip(self, uniform: float) -> CachedClip:
+        number = int(np.searchsorted(self._cumulative_probability, uniform, side='right'))
         return self._library.clip(self.clips[min(number, len(self.clips) - 1)])
 
     def sample(
@@ -173,12 +173,12 @@ class Mocap:
 
         Clips with little movement have few distinct frames, so they are rarely chosen.
         """
-        for probability, within in uniforms:
-            cached = self._choose_clip(probability)
-            frame = int(within * len(cached.clip.orientations))
+        for uniform, position in uniforms:
+            cached = self._choose_clip(uniform)
+            frame = int(position * len(cached.clip.orientations))
             if frame in cached.distinct:
                 return cached, frame
-        return cached, int(cached.distinct[int(within * len(cached.distinct))])
+        return cached, int(cached.distinct[int(position * len(cached.distinct))])
 
     def _sample_section(self, count: int, rate: float, random: np.random.Generator) -> ClipSection:
         """Sample a section of a clip, and append others if it is too short."""

@@ -65,7 +65,7 @@ def retarget_motion(
     Returns:
         Rotations, shape (T, B, 3, 3).
     """
-    straight = standing_orientations(body, rest)
+    standing = standing_orientations(body, rest)
     segments = {name: orientations[:, number] for number, name in enumerate(SEGMENTS)}
     named = _trunk(segments)
     for letter, side in (('l', 1.0), ('r', -1.0)):
@@ -78,7 +78,7 @@ def retarget_motion(
             own['shoulder'] = _shoulder(segments['chest'], own['upper_arm'], side)
         limbs = {**_arm(segments['chest'], own), **_leg(segments['pelvis'], own)}
         named |= {f'{name}.{letter.upper()}': orientation for name, orientation in limbs.items()}
-    return _local(body, straight, named)
+    return _local(body, standing, named)
 
 
 def _trunk(segments: dict[str, NDArray[np.float64]]) -> dict[str, NDArray[np.float64]]:
@@ -134,7 +134,7 @@ def _shoulder(
 
 
 def _local(
-    body: BodyModel, straight: NDArray[np.float64], named: dict[str, NDArray[np.float64]]
+    body: BodyModel, standing: NDArray[np.float64], named: dict[str, NDArray[np.float64]]
 ) -> NDArray[np.float64]:
     """Return relative rotations; bones that are not named are as in the standing pose."""
     rotations = np.empty((len(named['root']), len(body.bones), 3, 3))
@@ -142,12 +142,12 @@ def _local(
     for bone, parent in enumerate(body.parents):
         orientation = named.get(str(body.bones[bone]))
         if parent < 0:
-            orientations[:, bone] = rotations[:, bone] = named['root'] @ straight[bone]
+            orientations[:, bone] = rotations[:, bone] = named['root'] @ standing[bone]
             continue
         if orientation is None:
-            rotations[:, bone] = straight[parent].T @ straight[bone]
+            rotations[:, bone] = standing[parent].T @ standing[bone]
             orientations[:, bone] = orientations[:, parent] @ rotations[:, bone]
         else:
-            orientations[:, bone] = orientation @ straight[bone]
+            orientations[:, bone] = orientation @ standing[bone]
             rotations[:, bone] = orientations[:, parent].transpose(0, 2, 1) @ orientations[:, bone]
     return rotations

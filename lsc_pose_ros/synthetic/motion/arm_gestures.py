@@ -120,8 +120,8 @@ def _sample_one(
     elif gesture == 'down':
         reach_down(collision_body.rig, angles, side, stream)
     elif gesture in ('touch', 'rest'):
-        touches = SITTING_TOUCH_TARGETS if gesture == 'rest' else TOUCH_TARGETS
-        touch_body(collision_body, angles, side, stream.choose(touches), stream)
+        targets = SITTING_TOUCH_TARGETS if gesture == 'rest' else TOUCH_TARGETS
+        touch_body(collision_body, angles, side, stream.choose(targets), stream)
 
 
 def _sample_both(
@@ -133,11 +133,11 @@ def _sample_both(
         move_hand_pair(collision_body.rig, angles, stream.choose(HAND_PAIRS), stream)
         return
     posture = stream.choose(_BOTH_POSTURES)
-    touch = stream.choose(SITTING_TOUCH_TARGETS if kind == 'sit' else TOUCH_TARGETS)
+    target = stream.choose(SITTING_TOUCH_TARGETS if kind == 'sit' else TOUCH_TARGETS)
     for side in (0, 1):
         sample_posture(angles, _PREFIXES[side], ARM_ANGLES, posture, stream)
     if stream.bernoulli(0.5):  # nearly symmetric
         angles[ARMS[1]] = angles[ARMS[0]] + 0.2 * (angles[ARMS[1]] - angles[ARMS[0]])
     if gesture == 'touch':
         for side in (0, 1):
-            touch_body(collision_body, angles, side, touch, stream)
+            touch_body(collision_body, angles, side, target, stream)

@@ -51,7 +51,7 @@ def reach_freely(rig: Rig, angles: NDArray[np.float64], side: int, stream: Rando
 
 def reach_down(rig: Rig, angles: NDArray[np.float64], side: int, stream: RandomStream) -> None:
     """Move a hand, 0 is the left, vertically down, or beyond towards the floor or a shin."""
-    orientations = bone_orientations(angles, rig.straight, rig.parts)
+    orientations = bone_orientations(angles, rig.standing, rig.parts)
     chest = orientations[rig.numbers['spine01']]
     direction = np.array([stream.normal(0.05, 0.25), -1.0, stream.normal(0.25, 0.35)])
     direction *= stream.between(0.6, 1.0) / np.sqrt((direction**2).sum())

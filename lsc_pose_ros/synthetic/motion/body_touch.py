@@ -84,12 +84,12 @@ def touch_body(
     collision_body: CollisionBody,
     angles: NDArray[np.float64],
     side: int,
-    touch: TouchTarget,
+    target: TouchTarget,
     stream: RandomStream,
 ) -> None:
     """Lay a hand, 0 is the left, on the body, in place; if that is impossible, let it hang."""
     rig, capsules = collision_body
-    position, inwards = _touch_point(collision_body, angles, side, touch, stream)
+    position, inwards = _touch_point(collision_body, angles, side, target, stream)
     swivel = stream.normal(25, 25)
     closed = np.radians(stream.normal(20, 10))
     hanging = angles[ARMS[side]].copy()
@@ -110,7 +110,7 @@ def _touch_point(
     collision_body: CollisionBody,
     angles: NDArray[np.float64],
     side: int,
-    touch: TouchTarget,
+    target: TouchTarget,
     stream: RandomStream,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the target position of a hand, 0 is the left, and the direction into the body.
@@ -119,19 +119,19 @@ def _touch_point(
     """
     rig, capsules = collision_body
     mirror = MIRROR if side else np.ones(3)
-    number = capsule_number(capsules.names, touch, side)
-    fraction = stream.between(*touch.along)
-    out = mirror * [stream.normal(mean, touch.scatter) for mean in touch.outwards]
+    number = capsule_number(capsules.names, target, side)
+    fraction = stream.between(*target.along)
+    out = mirror * [stream.normal(mean, target.scatter) for mean in target.outwards]
     start, end = capsules.ends[number]
     if (end - start)[0] * mirror[0] < 0:  # in lateral capsules, 1 is the end on the hand's side
         start, end = end, start
     along = end - start
-    if '_' in touch.part:  # in limbs, the direction is orthogonal to the axis
+    if '_' in target.part:  # in limbs, the direction is orthogonal to the axis
         out -= (out * along).sum() / max((along**2).sum(), 1e-9) * along
     out /= max(np.sqrt((out**2).sum()), 1e-6)
     hand = capsules.radii[capsules.names.index(f'{"LR"[side]}_hand')]
     surface = start + fraction * along + (capsules.radii[number] + 1.6 * hand) * out
-    orientations = bone_orientations(angles, rig.straight, rig.parts)
+    orientations = bone_orientations(angles, rig.standing, rig.parts)
     heads = bone_heads(orientations, rig.parents, rig.heads)
     bone, chest = capsules.bones[number], rig.numbers['spine01']
     position = heads[bone] + rotated(orientations[bone], surface) - heads[chest]
@@ -141,13 +141,13 @@ def _touch_point(
     )
 
 
-def capsule_number(names: tuple[str, ...], touch: TouchTarget, side: int) -> int:
+def capsule_number(names: tuple[str, ...], target: TouchTarget, side: int) -> int:
     """Return the number of the capsule that a hand, 0 is the left, touches."""
-    if touch.part.startswith('other_'):
-        name = f'{"RL"[side]}_{touch.part.removeprefix("other_")}'
-    elif touch.part.startswith('own_'):
-        name = f'{"LR"[side]}_{touch.part.removeprefix("own_")}'
+    if target.part.startswith('other_'):
+        name = f'{"RL"[side]}_{target.part.removeprefix("other_")}'
+    elif target.part.startswith('own_'):
+        name = f'{"LR"[side]}_{target.part.removeprefix("own_")}'
     else:
-        name = touch.part
+        name = target.part
     found = [number for number, candidate in enumerate(names) if candidate == name]
-    return found[touch.which]
+    return found[target.which]

@@ -121,7 +121,7 @@ def _centre_of_mass(rig: Rig, angles: NDArray[np.float64]) -> NDArray[np.float64
     The mass of legs with feet at an offset c from the pelvis is at 0.4 c. So the whole body's
     centre of mass is above the feet if c = m_upper u + m_legs 0.4 c.
     """
-    orientations = bone_orientations(angles, rig.straight, rig.parts)
+    orientations = bone_orientations(angles, rig.standing, rig.parts)
     heads = bone_heads(orientations, rig.parents, rig.heads)[:, [0, 2]]
     neck, head, chest = (heads[rig.numbers[name]] for name in ('neck01', 'head', 'spine01'))
     moment = _TRUNK_MASS * 0.5 * neck + _HEAD_MASS * head + _ARMS_MASS * chest

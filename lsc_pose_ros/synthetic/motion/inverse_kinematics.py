@@ -164,11 +164,11 @@ def solve_fixed_shoulder(
     (d^2 - a^2 - b^2) / (2 a b).
     """
     a, b = lengths[0], lengths[1]
-    way = _blend(1.0, position, -1.0, shoulder_position(arm, shoulder))
-    length = _length(way)
+    offset = _blend(1.0, position, -1.0, shoulder_position(arm, shoulder))
+    length = _length(offset)
     if length < _TINY:
         return
-    u = _blend(1 / length, way, 0.0, way)
+    u = _blend(1 / length, offset, 0.0, offset)
     closest = np.sqrt(a * a + b * b + 2 * a * b * np.cos(_ARM_LIMITS[1, _ELBOW]))
     d = min(max(length, closest), 0.9995 * (a + b))
     # The elbow hangs down, or is behind a hand that hangs down.
@@ -254,9 +254,9 @@ def solve_left_leg(
     """Return the angles of the left leg, shape (7,), whose ankle is at a position."""
     leg = np.zeros(7)
     a, b = lengths[0], lengths[1]
-    way = _blend(1.0, rotated_back(pelvis, ankle), -1.0, hip)
-    length = max(_length(way), _TINY)
-    u = _blend(1 / length, way, 0.0, way)
+    offset = _blend(1.0, rotated_back(pelvis, ankle), -1.0, hip)
+    length = max(_length(offset), _TINY)
+    u = _blend(1 / length, offset, 0.0, offset)
     d = min(max(length, abs(a - b) + 0.1 * a), 0.9995 * (a + b))
     ahead = rotated_back(pelvis, np.array([np.sin(heading), 0.0, np.cos(heading)]))
     pole = _across(ahead, u)

@@ -226,10 +226,10 @@ def _sit(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
 
 def _cross_legs(angles: _Angles, stream: RandomStream) -> None:
     """Sometimes put the right leg over the left one."""
-    way = stream.choose(((0.78, 'not'), (0.1, 'ankle'), (0.12, 'knee')))
-    if way == 'ankle':
+    crossing = stream.choose(((0.78, 'none'), (0.1, 'ankle'), (0.12, 'knee')))
+    if crossing == 'ankle':
         sample_posture(angles, 'r_', LEG_ANGLES, _ANKLE_ON_KNEE, stream)
-    elif way == 'knee':
+    elif crossing == 'knee':
         sample_posture(angles, 'r_', LEG_ANGLES, _KNEE_ON_KNEE, stream)
 
 

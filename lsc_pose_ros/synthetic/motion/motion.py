@@ -214,7 +214,7 @@ class _KeyPoses:
     """A sequence of key poses with their times."""
 
     def __init__(self, collision_body: CollisionBody, random: np.random.Generator) -> None:
-        self._mannequin = collision_body
+        self._collision_body = collision_body
         self._random = random
         self.times = [0.0]
         self.poses = [_sample_any_pose(collision_body, random)]
@@ -235,9 +235,9 @@ class _KeyPoses:
 
     def _next(self, sample: Callable[[CollisionBody, RandomStream], BodyPose]) -> BodyPose:
         return _sample_clear_pose(
-            self._mannequin,
+            self._collision_body,
             self.poses[-1].angles,
-            lambda stream: sample(self._mannequin, stream),
+            lambda stream: sample(self._collision_body, stream),
             self._random,
         )
 
@@ -273,7 +273,7 @@ class _KeyPoses:
         before = self.poses[-1].angles
         first = min(
             (stream.uniform() for _ in range(_FIRST_STEPS)),
-            key=lambda phase: _path_penetration(self._mannequin, before, at(phase).angles),
+            key=lambda phase: _path_penetration(self._collision_body, before, at(phase).angles),
         )
         self._add(at(first), stream.between(*KEY_SECONDS))
         for key in range(1, count):

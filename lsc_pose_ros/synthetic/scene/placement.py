@@ -32,9 +32,7 @@ PEOPLE_GAP = 0.05
 
 _TRIES = 200  # heights and tilts of the camera that are tried
 _POSITIONS = 8  # positions that are tried per person and try
-_MIN_BEARING_DIFFERENCE = np.radians(
-    9.0
-)  # bearings of any two people differ by this, so that none is all hidden
+_MIN_BEARING_DIFFERENCE = np.radians(9.0)  # of two people, so that nobody is completely hidden
 
 # Horizontal directions of the planes that separate people.
 _ANGLES = np.arange(16) * (np.pi / 8)
@@ -109,9 +107,9 @@ def sample_placement(
     near, far = constraints.distance
     who = 'a person' if len(people) == 1 else f'{len(people)} people'
     msg = (
-        f'no place found for {who} in full view between {near:g} and {far:g} m; allow a larger '
-        f"distance or field of view, more of the camera's heights and tilts, fewer or smaller "
-        f'people, or cropped ones'
+        f'no placement found for {who} in full view between {near:g} and {far:g} m; allow a '
+        f"larger distance or field of view, larger ranges of the camera's height and tilt, fewer "
+        f'or smaller people, or cropped ones'
     )
     raise InputError(msg)
 
@@ -132,13 +130,13 @@ def _try_placement(
     height = _interpolate(constraints.camera_height, uniforms[0, 1])
     positions: list[NDArray[np.float64]] = []
     for person, points in enumerate(required_points):
-        edge = _ImageFrustum(points, tilt, constraints)
-        near, far = edge.distances(height, constraints.distance)
+        frustum = _ImageFrustum(points, tilt, constraints)
+        near, far = frustum.distances(height, constraints.distance)
         if near > far:
             return None
         for sideways, away in uniforms[1 + person * _POSITIONS :][:_POSITIONS]:
             distance = _interpolate((near, far), away)
-            left, right = edge.sideways(height, distance)
+            left, right = frustum.sideways(height, distance)
             position = np.array([_interpolate((left, right), sideways), height, distance])
             if left <= right and _is_free(extents, positions, position):
                 positions.append(position)

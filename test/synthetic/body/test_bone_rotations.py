@@ -151,7 +151,7 @@ def test_fingers_close_towards_the_palm(body, rest):
     rig = rig_of(body, rest)
     heads = {}
     for degrees in (0, 45):
-        orientations = bone_orientations(pose_of(l_fingers=degrees), rig.straight, rig.parts)
+        orientations = bone_orientations(pose_of(l_fingers=degrees), rig.standing, rig.parts)
         heads[degrees] = bone_heads(orientations, rig.parents, rig.heads)[
             rig.numbers['finger3-3.L']
         ]
@@ -165,7 +165,7 @@ def test_fingers_close_towards_the_palm(body, rest):
 def test_orientations_and_heads_agree_with_pose_body(body, rest):
     rig = rig_of(body, rest)
     for angles in random_poses(20):
-        orientations = bone_orientations(angles, rig.straight, rig.parts)
+        orientations = bone_orientations(angles, rig.standing, rig.parts)
         np.testing.assert_allclose(
             orientations @ orientations.transpose(0, 2, 1),
             np.tile(np.eye(3), (len(orientations), 1, 1)),

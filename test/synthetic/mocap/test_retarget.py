@@ -33,7 +33,7 @@ def test_bones_share_the_rotation_of_segments(clip_of, body, rest):
     clip = clip_of([possible_pose(random) for _ in range(10)], frame_time=1.0)
     segments = from_quaternions(clip.orientations.astype(float))
     poses = retarget_motion(body, rest, segments)
-    straight = standing_orientations(body, rest)
+    standing = standing_orientations(body, rest)
     orientations = np.array(
         [pose_body(body, rest, pose, np.zeros(3)).orientations for pose in poses]
     )
@@ -44,7 +44,7 @@ def test_bones_share_the_rotation_of_segments(clip_of, body, rest):
         'lowerleg02.L': 'l_shank', 'toes.L': 'l_foot',
     }  # fmt: skip
     for bone, segment in whole.items():
-        expected = segments[:, SEGMENTS.index(segment)] @ straight[numbers[bone]]
+        expected = segments[:, SEGMENTS.index(segment)] @ standing[numbers[bone]]
         np.testing.assert_allclose(orientations[:, numbers[bone]], expected, atol=1e-6)
     # The rotation of the trunk's bones increases from the pelvis to the chest.
     spine = [orientations[:, numbers[f'spine0{number}']] for number in (5, 4, 3, 2, 1)]

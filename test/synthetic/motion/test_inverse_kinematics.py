@@ -62,7 +62,7 @@ def random_arms(count):
 
 
 def pose(rig, angles):
-    orientations = bone_orientations(angles, rig.straight, rig.parts)
+    orientations = bone_orientations(angles, rig.standing, rig.parts)
     return orientations, bone_heads(orientations, rig.parents, rig.heads)
 
 
@@ -131,7 +131,7 @@ def test_pronation_turns_the_palm_towards_a_direction(rig):
             angles[number] = pronation
             orientations, _ = pose(rig, angles)
             wrist, chest = rig.numbers['wrist.L'], rig.numbers['spine01']
-            palm = orientations[wrist] @ rig.straight[wrist].T @ np.array([-1.0, 0, 0])
+            palm = orientations[wrist] @ rig.standing[wrist].T @ np.array([-1.0, 0, 0])
             return orientations[chest].T @ palm @ wanted
 
         tried = np.linspace(LOWER_LIMITS[number], UPPER_LIMITS[number], 50)
@@ -150,7 +150,7 @@ def test_hand_lies_flat_on_a_surface(rig):
     angles[ARMS[0]] = arm
     orientations, _ = pose(rig, angles)
     wrist = rig.numbers['wrist.L']
-    along = orientations[wrist] @ rig.straight[wrist].T @ np.array([0.0, -1.0, 0.0])
+    along = orientations[wrist] @ rig.standing[wrist].T @ np.array([0.0, -1.0, 0.0])
     assert abs(along @ inwards) < 0.35
 
 
@@ -170,7 +170,7 @@ def test_foot_is_on_its_target_and_level(rig, right):
         orientations, heads = pose(rig, angles)
         number = rig.numbers[f'foot.{side}']
         np.testing.assert_allclose(heads[number], ankle, atol=0.012 * length)
-        sole = orientations[number] @ rig.straight[number].T
+        sole = orientations[number] @ rig.standing[number].T
         if angles[LEGS[int(right)]][4] > LOWER_LIMITS[LEGS[0]][4] + 1e-6:
             assert sole[1, 2] == pytest.approx(-np.sin(foot.pitch), abs=0.02)
         # The knee bends forwards, and the toes have the given heading.

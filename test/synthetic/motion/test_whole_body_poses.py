@@ -64,7 +64,7 @@ def collision_body(request):
 
 def heads_of(collision_body, angles):
     rig = collision_body.rig
-    orientations = bone_orientations(angles, rig.straight, rig.parts)
+    orientations = bone_orientations(angles, rig.standing, rig.parts)
     heads = bone_heads(orientations, rig.parents, rig.heads)
     return {name: heads[number] for name, number in rig.numbers.items()}
 
@@ -170,7 +170,7 @@ def test_touching_hands_are_on_the_body_without_penetration(collision_body, side
         letter = 'LR'[side]
         palm = 0.5 * (at[f'wrist.{letter}'] + at[f'finger3-1.{letter}'])
         number = body_touch.capsule_number(capsules.names, touch, side)
-        orientations = bone_orientations(angles, rig.straight, rig.parts)
+        orientations = bone_orientations(angles, rig.standing, rig.parts)
         bone = capsules.bones[number]
         name = next(name for name, each in rig.numbers.items() if each == bone)
         start, end = at[name] + capsules.ends[number] @ orientations[bone].T

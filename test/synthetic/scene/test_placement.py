@@ -128,11 +128,11 @@ def test_cropped_people_keep_their_trunk_in_view() -> None:
 
 
 def test_impossible_placement_is_refused() -> None:
-    with pytest.raises(InputError, match=r'no place found for a person .* 1 and 1\.5 m'):
+    with pytest.raises(InputError, match=r'no placement found for a person .* 1 and 1\.5 m'):
         sample_placement([column(1.8)], VIEW._replace(distance=(1.0, 1.5)), source(0))
-    with pytest.raises(InputError, match='no place found for 8 people'):
+    with pytest.raises(InputError, match='no placement found for 8 people'):
         sample_placement([column(1.8)] * 8, VIEW._replace(distance=(2.0, 3.0)), source(0))
-    with pytest.raises(InputError, match="more of the camera's heights and tilts"):
+    with pytest.raises(InputError, match="larger ranges of the camera's height and tilt"):
         sample_placement([column(1.8)], VIEW._replace(camera_height=(9.0, 9.1)), source(0))
 
 
