@@ -100,8 +100,8 @@ def _train() -> Model:
         person,
         np.zeros((1, 1, 3), np.float32),
     )
-    for evidence in (contributions(*nowhere), offset_moments(*nowhere, 1.0)):
-        grow_tree(quantised, evidence, GrowthSettings(depth=1), rng)
+    for statistics in (contributions(*nowhere), offset_moments(*nowhere, 1.0)):
+        grow_tree(quantised, statistics, GrowthSettings(depth=1), rng)
     return model
 
 

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The paper's tables and figures, measured on recordings of one's own."""
+"""Repeats the tables and figures of the paper on other recordings."""

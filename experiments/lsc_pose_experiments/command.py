@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""`lsc_pose experiments`: the paper's tables and figures, measured on recordings."""
+"""`lsc_pose experiments`: measures the paper's tables and figures on recordings."""
 
 import argparse
 import shlex
@@ -22,11 +22,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from lsc_pose_experiments.page import Page
-from lsc_pose_experiments.paper import EXPERIMENTS, Scope, full_scope, quick_scope
-from lsc_pose_experiments.protocol import PROTOCOLS, Study, folds_of
+from lsc_pose_experiments.paper import (
+    EXPERIMENTS,
+    ExperimentDefaults,
+    full_defaults,
+    quick_defaults,
+)
+from lsc_pose_experiments.protocol import PROTOCOLS, DataSelection, folds_of
 from lsc_pose_experiments.publishing import Publisher
-from lsc_pose_experiments.running import Bench, run_trials
-from lsc_pose_experiments.trial import Store
+from lsc_pose_experiments.running import TrialContext, run_trials
+from lsc_pose_experiments.trial import ResultStore
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import open_recordings, read_frames
 from lsc_pose_ros.cli.options.numbers import positive_float, positive_int
@@ -41,10 +46,10 @@ HELP = "measure the paper's tables and figures on recordings"
 
 _TEST_FRAMES = 900
 _QUICK_TEST_FRAMES = 20
-_ANSWERS = {True: 'holds', False: 'does not hold', None: 'cannot be told'}
+_VERDICTS = {True: 'holds', False: 'does not hold', None: 'is undecided'}
 _QUICK = (
-    'A quick run: it shows that all of this works. Its numbers are of far too few frames to say '
-    'anything about the method.'
+    'A quick run: it only shows that the command works. It uses too few frames to measure the '
+    'method.'
 )
 
 
@@ -54,8 +59,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'output',
         type=Path,
         metavar='OUT',
-        help='the folder for index.html, a CSV and a PNG file each, and what is finished: the '
-        'same command again does only what is missing',
+        help='the folder for index.html, a CSV and a PNG file for each experiment, and stored '
+        'results: the same command again measures only what is missing',
     )
     parser.add_argument(
         '--recordings',
@@ -71,80 +76,84 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs='+',
         default=[],
         metavar='RECORDING',
-        help='with the protocol recordings: labelled recordings to test with',
+        help='labelled test recordings, for the protocol `recordings`',
     )
     parser.add_argument(
         '--protocol',
         choices=PROTOCOLS,
-        help="random: the paper's, frames of all recordings divided at random; recordings: those "
-        'of --test are tested; leave-one-out: each recording is tested once and all others are '
-        'learnt from (default: random, or recordings where --test is given)',
+        help='random: frames of all recordings are divided at random, as in the paper; '
+        'recordings: the recordings of --test are tested; leave-one-out: each recording is tested '
+        'with a model of all others (default: recordings if --test is given, else random)',
     )
     parser.add_argument(
         '--only',
         nargs='+',
         choices=list(EXPERIMENTS),
         metavar='NAME',
-        help=f'measure only these of {", ".join(EXPERIMENTS)}',
+        help=f'measure only these experiments of {", ".join(EXPERIMENTS)}',
     )
     parser.add_argument(
         '--training-frames',
         type=positive_int,
         metavar='N',
-        help="learn from at most so many frames (default: the paper's 3600); Fig. 15 goes from an "
-        'eighth to 2.8 times as many',
+        help='largest number of training frames (default: 3600, as in the paper); Fig. 15 uses '
+        'from an eighth to 2.8 times as many',
     )
     parser.add_argument(
         '--test-frames',
         type=positive_int,
         metavar='N',
-        help="test at most so many frames of each fold (default: the paper's 900)",
+        help='largest number of test frames in each fold (default: 900, as in the paper)',
     )
     parser.add_argument(
-        '--quick', action='store_true', help='measure next to nothing, to see that it works'
+        '--quick',
+        action='store_true',
+        help='measure very few frames, to check that the command works',
     )
     parser.add_argument(
         '--memory',
         type=positive_float,
         default=8.0,
         metavar='GIB',
-        help='take about so much, in GiB: of many frames, learn from fewer points a person '
+        help='memory to use, in GiB; with many frames, each person has fewer samples '
         '(default: %(default)s)',
     )
-    parser.add_argument('--seed', type=int, default=0, help='of all that is drawn (default: 0)')
-    parser.add_argument('--json', type=Path, metavar='FILE', help='write all numbers there')
+    parser.add_argument(
+        '--seed', type=int, default=0, help='seed of all random numbers (default: 0)'
+    )
+    parser.add_argument('--json', type=Path, metavar='FILE', help='write all numbers to this file')
     add_topic_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Measure what `arguments` ask for and is not finished; return the exit status.
+    """Measure the experiments of `arguments` that are not finished; return the exit status.
 
     Raises:
-        InputError: a recording cannot be used, or nothing can be written.
+        InputError: a recording cannot be used, or the output cannot be written.
     """
     if arguments.seed < 0:
         msg = f'--seed {arguments.seed} must not be negative'
         raise InputError(msg)
-    scope, study = _scope(arguments), _study(arguments)
-    folds_of(study)
+    defaults, selection = _defaults(arguments), _selection(arguments)
+    folds_of(selection)
     readers = _open(arguments)
-    experiments = {name: make(scope) for name, make in EXPERIMENTS.items()}
+    experiments = {name: make(defaults) for name, make in EXPERIMENTS.items()}
     make_directory(arguments.output)
 
     def read(path: Path) -> Iterator[Frame]:
-        return read_frames([readers[path]], f'drawing from {path.name}')
+        return read_frames([readers[path]], f'sampling {path.name}')
 
-    bench = Bench(study, Store(arguments.output / 'trials'), read, _tell)
-    page = Page(_facts(arguments, scope, study), _QUICK if arguments.quick else '',
+    context = TrialContext(selection, ResultStore(arguments.output / 'trials'), read, _progress)
+    page = Page(_facts(arguments, defaults, selection), _QUICK if arguments.quick else '',
                 _command(arguments), [])  # fmt: skip
     publisher = Publisher(arguments.output, page, list(experiments.values()))
     wanted = arguments.only or list(experiments)
     trials = [
         variant.trial for name in wanted for variant in experiments[name].variants if variant.trial
     ]
-    for _ in run_trials(bench, trials):
-        publisher.publish(bench)
-    page = publisher.publish(bench)
+    for _ in run_trials(context, trials):
+        publisher.publish(context)
+    page = publisher.publish(context)
     _print(page, wanted)
     if arguments.json:
         write_json(arguments.json, _results(page))
@@ -152,15 +161,17 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _scope(arguments: argparse.Namespace) -> Scope:
-    scope = (quick_scope if arguments.quick else full_scope)(arguments.seed)
-    training = scope.training._replace(memory=arguments.memory * GIBIBYTE)
-    return scope._replace(training=training, frames=arguments.training_frames or scope.frames)
+def _defaults(arguments: argparse.Namespace) -> ExperimentDefaults:
+    defaults = (quick_defaults if arguments.quick else full_defaults)(arguments.seed)
+    training = defaults.training._replace(memory=arguments.memory * GIBIBYTE)
+    return defaults._replace(
+        training=training, frames=arguments.training_frames or defaults.frames
+    )
 
 
-def _study(arguments: argparse.Namespace) -> Study:
+def _selection(arguments: argparse.Namespace) -> DataSelection:
     tested = _QUICK_TEST_FRAMES if arguments.quick else _TEST_FRAMES
-    return Study(
+    return DataSelection(
         tuple(arguments.recordings),
         tuple(arguments.test),
         arguments.protocol or ('recordings' if arguments.test else 'random'),
@@ -171,28 +182,30 @@ def _study(arguments: argparse.Namespace) -> Study:
 
 
 def _open(arguments: argparse.Namespace) -> dict[Path, FrameReader]:
-    """Open all recordings now: a wrong name is found out before the first training."""
+    """Open all recordings, so that a wrong name is found before the first training."""
     paths = [*arguments.recordings, *arguments.test]
     twice = sorted({str(path) for path in paths if paths.count(path) > 1})
     if twice:
-        msg = f'{", ".join(twice)}: named twice; what is tested must not be learnt from'
+        msg = f'{", ".join(twice)}: named twice; a test recording must not be in the training'
         raise InputError(msg)
     given = argparse.Namespace(**(vars(arguments) | {'recordings': paths}))
     return dict(zip(paths, open_recordings(given), strict=True))
 
 
-def _facts(arguments: argparse.Namespace, scope: Scope, study: Study) -> dict[str, str]:
+def _facts(
+    arguments: argparse.Namespace, defaults: ExperimentDefaults, selection: DataSelection
+) -> dict[str, str]:
     facts = {
-        'recordings': ', '.join(path.name for path in study.recordings),
-        'tested with': ', '.join(path.name for path in study.tests),
+        'recordings': ', '.join(path.name for path in selection.recordings),
+        'tested with': ', '.join(path.name for path in selection.tests),
         'protocol': {
-            'random': "random: the paper's; frames of the same motions are on both sides where "
-            'the recordings are videos, so that this says little about other people',
-            'recordings': 'recordings: learnt from the first, tested with the others',
-            'leave-one-out': 'leave-one-out: each recording tested by what the others teach',
-        }[study.protocol],
-        'frames': f'at most {scope.frames} to learn from, {study.test_frames} to test, where '
-        'nothing else is said',
+            'random': 'random, as in the paper; with videos, frames of the same motion are in '
+            'training and test, so this does not measure other people',
+            'recordings': 'recordings: trained on the first, tested on the others',
+            'leave-one-out': 'leave-one-out: each recording is tested with a model of the others',
+        }[selection.protocol],
+        'frames': f'at most {defaults.frames} for training and {selection.test_frames} for test, '
+        'unless a variant says otherwise',
         'seed': str(arguments.seed),
     }
     return {name: value for name, value in facts.items() if value}
@@ -213,12 +226,12 @@ def _command(arguments: argparse.Namespace) -> str:
 
 
 def _print(page: Page, wanted: list[str]) -> None:
-    """Say of each claim whether it holds."""
+    """Print whether each claim holds."""
     for section in page.sections:
         if section.experiment.name in wanted:
             print(section.experiment.title)
             for claim, verdict in zip(section.experiment.claims, section.verdicts, strict=True):
-                print(f'  {claim.words} Here it {_ANSWERS[verdict.holds]}: {verdict.words}')
+                print(f'  {claim.words} Here it {_VERDICTS[verdict.holds]}: {verdict.words}')
 
 
 def _results(page: Page) -> dict[str, object]:
@@ -241,6 +254,6 @@ def _results(page: Page) -> dict[str, object]:
     }
 
 
-def _tell(step: str) -> None:
+def _progress(step: str) -> None:
     if sys.stderr.isatty():
         print(f'lsc_pose: {step}', file=sys.stderr)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The figures: a curve over what varies, or joint by joint; the paper's numbers hollow."""
+"""Draws the figures: curves, or dots for each joint; numbers of the paper are hollow."""
 
 from collections.abc import Callable
 
@@ -29,7 +29,7 @@ from lsc_pose_ros.viz.drawing.colours import BORDER, CURVES
 from lsc_pose_ros.viz.drawing.legend import add_legend_entries
 
 _MARKERS = 'osD^v'
-# The curves that are drawn, and how; the means of all joints are what the paper draws.
+# The curves and their dashes; the paper draws the mean of all joints.
 _PARTS: dict[str, tuple[float, ...]] = {
     MEAN: (),
     'elbows': (5, 1.5),
@@ -45,30 +45,30 @@ def draw_experiment(experiment: Experiment, rows: list[Row]) -> Figure:
     """Return the figure of `experiment`.
 
     Args:
-        experiment: what it is.
+        experiment: the experiment.
         rows: all its scores.
     """
     if experiment.axis:
         figure = new_figure(8.4, 3.6)
-        errors, shares = figure.subplots(1, 2)
+        errors, fractions = figure.subplots(1, 2)
         rows = points_of(experiment, rows)
         _draw_curves(errors, rows, _error, _paper_error)
-        _draw_curves(shares, rows, _share, _paper_share)
-        for axes in (errors, shares):
+        _draw_curves(fractions, rows, _fraction, _paper_fraction)
+        for axes in (errors, fractions):
             axes.set_xlabel(experiment.axis.name)
             if experiment.axis.logarithmic:
                 axes.set_xscale('log')
             axes.grid(color=BORDER, linewidth=0.4)
-        _finish(figure, (errors, shares), experiment, _curve_legend(rows))
+        _finish(figure, (errors, fractions), experiment, _curve_legend(rows))
         return figure
     parts = _parts_of(experiment, rows)
     figure = new_figure(8.4, 1.2 + 0.21 * len(parts))
-    errors, shares = figure.subplots(1, 2, sharey=True)
+    errors, fractions = figure.subplots(1, 2, sharey=True)
     _draw_dots(errors, rows, parts, (_error, _paper_error))
-    _draw_dots(shares, rows, parts, (_share, _paper_share))
+    _draw_dots(fractions, rows, parts, (_fraction, _paper_fraction))
     errors.set_yticks(range(len(parts)), parts)
     errors.set_ylim(len(parts) - 0.4, -0.6)
-    _finish(figure, (errors, shares), experiment, _dot_legend(rows))
+    _finish(figure, (errors, fractions), experiment, _dot_legend(rows))
     return figure
 
 
@@ -120,9 +120,9 @@ def _draw_dots(
 
 
 def _parts_of(experiment: Experiment, rows: list[Row]) -> list[str]:
-    """Return the parts that are drawn, from above: the mean, what the paper names, each joint."""
+    """Return the parts, top down: the mean, those that the paper names, sizes, each joint."""
     named = {row.part for row in rows}
-    paper = {row.part for row in rows if _paper_error(row) or _paper_share(row)}
+    paper = {row.part for row in rows if _paper_error(row) or _paper_fraction(row)}
     several = [part for part in sorted(paper) if part != MEAN and part not in JOINT_NAMES]
     sizes = [size for size in SIZES if size in named and size in experiment.parts]
     return [MEAN, *several, *sizes, *(name for name in JOINT_NAMES if name in named)]
@@ -167,7 +167,7 @@ def _error(row: Row) -> float | None:
     return row.mean_error_m
 
 
-def _share(row: Row) -> float | None:
+def _fraction(row: Row) -> float | None:
     return row.ap
 
 
@@ -175,5 +175,5 @@ def _paper_error(row: Row) -> float | None:
     return row.paper_mean_error_m
 
 
-def _paper_share(row: Row) -> float | None:
+def _paper_fraction(row: Row) -> float | None:
     return row.paper_ap

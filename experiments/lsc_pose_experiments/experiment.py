@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a table or a figure of the paper is made of, and its numbers as rows."""
+"""A table or figure of the paper as data: variants, claims, and results as rows."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
@@ -21,14 +21,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_experiments.trial import Outcome, Score, Trial, score_of
+from lsc_pose_experiments.trial import Accuracy, Trial, TrialResult, accuracy_of
 from lsc_pose_ros.data_types.joints import names_of
 
 MEAN = 'mean'
 SIZES = ('smallest third', 'middle third', 'largest third')
 LIMB_ENDS = ('elbows', 'wrists', 'hands')
 
-# What is said of several joints at once, by a word that is in their names.
+# Kinds of joints, and the word that their names contain.
 _KINDS = {
     'shoulders': 'shoulder', 'elbows': 'elbow', 'wrists': 'wrist',
     'hands': 'hand', 'hips': 'hip', 'knees': 'knee', 'ankles': 'ankle', 'feet': 'foot',
@@ -40,43 +40,42 @@ class Variant(NamedTuple):
 
     Attributes:
         label: its name.
-        trial: what is measured; None where only the paper's numbers are known.
-        paper: the paper's scores by part; what the text does not tell is left out.
-        x: its place on the axis of a curve.
+        trial: the trial that measures it; None if only the paper's numbers are shown.
+        paper: scores of the paper by part, as far as its text gives them.
+        x: its position on the axis of a curve.
     """
 
     label: str
     trial: Trial | None
-    paper: Mapping[str, Score] = {}
+    paper: Mapping[str, Accuracy] = {}
     x: float = 0.0
 
 
-Outcomes = Mapping[str, Outcome]
-"""What came of an experiment's variants, by label."""
+TrialResults = Mapping[str, TrialResult]
+"""The results of the variants of an experiment, by label."""
 
 
 class Verdict(NamedTuple):
-    """Whether a claim holds on these recordings, None where that cannot be told, and why."""
+    """Whether a claim holds on these recordings, None if undecided, and the reason."""
 
     holds: bool | None
     words: str
 
 
 class Claim(NamedTuple):
-    """What the paper says, and what decides whether it is so."""
+    """A statement of the paper, and the function that checks it."""
 
     words: str
-    judge: Callable[[Outcomes], Verdict]
+    judge: Callable[[TrialResults], Verdict]
 
 
 class Axis(NamedTuple):
     """The axis of a figure that is a curve.
 
     Attributes:
-        name: what varies along it.
-        logarithmic: whether it is.
-        frames: whether it is the number of training frames; of these there may be fewer than a
-            variant asks for.
+        name: the quantity.
+        logarithmic: whether the axis is logarithmic.
+        frames: whether it is the number of training frames, which may be lower than requested.
     """
 
     name: str
@@ -88,14 +87,14 @@ class Experiment(NamedTuple):
     """One table or figure of the paper.
 
     Attributes:
-        name: as on the command line.
-        title: as on the page.
-        what: what varies, and what the paper says of it, for people to read.
-        variants: what is measured.
-        claims: what the paper concludes.
-        parts: which scores the table on the page shows, besides the mean of all joints.
-        axis: of a curve; None for a figure that is joint by joint.
-        tolerance: how far a joint may be off to count as found, metres.
+        name: its name on the command line.
+        title: its title on the page.
+        what: description of what varies, for the page.
+        variants: the lines of the table.
+        claims: conclusions of the paper.
+        parts: scores that the table on the page shows in addition to the mean of all joints.
+        axis: axis of the curve; None for a figure with all joints.
+        tolerance: largest error of a found joint, metres.
     """
 
     name: str
@@ -112,13 +111,13 @@ class Row(NamedTuple):
     """One score of one variant, beside the paper's; the columns of the CSV file.
 
     Attributes:
-        variant: its label.
-        x: its place on a curve's axis; of training sizes, how many frames were asked for.
-        part: `mean` of all joints, a joint, several of a kind, or the people of a size.
-        people: how many people were tested and have it labelled.
-        training_frames: how many frames were learnt from.
+        variant: label of the variant.
+        x: position on the axis of a curve; for numbers of frames, the requested number.
+        part: `mean` of all joints, a joint, a kind of joints, or the people of a size.
+        people: number of tested people with the part labelled.
+        training_frames: number of training frames.
         tolerance_m, mean_error_m, ap: as in `evaluate --json`.
-        paper_mean_error_m, paper_ap: the paper's, None where its text does not tell.
+        paper_mean_error_m, paper_ap: numbers of the paper, None if not in its text.
     """
 
     variant: str
@@ -133,19 +132,19 @@ class Row(NamedTuple):
     paper_ap: float | None
 
 
-def rows_of(experiment: Experiment, outcomes: Outcomes) -> list[Row]:
-    """Return every score of `experiment`, variant by variant."""
+def rows_of(experiment: Experiment, results: TrialResults) -> list[Row]:
+    """Return all scores of `experiment`, ordered by variant."""
     return [
         row
         for variant in experiment.variants
-        if variant.trial is None or variant.label in outcomes
-        for row in _rows(variant, outcomes.get(variant.label), experiment.tolerance)
+        if variant.trial is None or variant.label in results
+        for row in _rows(variant, results.get(variant.label), experiment.tolerance)
     ]
 
 
-def _rows(variant: Variant, outcome: Outcome | None, tolerance: float) -> list[Row]:
-    found = part_scores(outcome, tolerance) if outcome else {}
-    frames = outcome.frames if outcome else 0
+def _rows(variant: Variant, result: TrialResult | None, tolerance: float) -> list[Row]:
+    found = part_scores(result, tolerance) if result else {}
+    frames = result.frames if result else 0
     parts = list(found) + [part for part in variant.paper if part not in found]
     return [
         Row(
@@ -155,58 +154,58 @@ def _rows(variant: Variant, outcome: Outcome | None, tolerance: float) -> list[R
             found[part][0] if part in found else 0,
             frames,
             tolerance,
-            *(found[part][1] if part in found else Score()),
-            *variant.paper.get(part, Score()),
+            *(found[part][1] if part in found else Accuracy()),
+            *variant.paper.get(part, Accuracy()),
         )
         for part in parts
     ]
 
 
-def part_scores(outcome: Outcome, tolerance: float) -> dict[str, tuple[int, Score]]:
-    """Return how many people have each part labelled, and its score.
+def part_scores(result: TrialResult, tolerance: float) -> dict[str, tuple[int, Accuracy]]:
+    """Return the number of people with each part labelled, and its score.
 
-    The parts are the mean of all joints, each joint, those of a kind, and the thirds of the people
-    by size.
+    The parts are the mean of all joints, each joint, each kind of joints, and the thirds of the
+    people by size.
     """
-    parts = {MEAN: _part(outcome, np.ones(len(outcome.joints), np.bool_), tolerance)}
-    names = names_of(outcome.joints)
+    parts = {MEAN: _part(result, np.ones(len(result.joints), np.bool_), tolerance)}
+    names = names_of(result.joints)
     for number, name in enumerate(names):
-        parts[name] = _part(outcome, np.arange(len(names)) == number, tolerance)
+        parts[name] = _part(result, np.arange(len(names)) == number, tolerance)
     for kind, word in _KINDS.items():
         mine = np.array([word in name for name in names])
         if mine.any():
-            parts[kind] = _part(outcome, mine, tolerance)
-    thirds = np.array_split(np.argsort(outcome.sizes, kind='stable'), len(SIZES))
+            parts[kind] = _part(result, mine, tolerance)
+    thirds = np.array_split(np.argsort(result.sizes, kind='stable'), len(SIZES))
     for size, people in zip(SIZES, thirds, strict=True):
-        some = outcome._replace(errors=outcome.errors[people])
+        some = result._replace(errors=result.errors[people])
         parts[size] = _part(some, np.ones(len(names), np.bool_), tolerance)
     return {part: scored for part, scored in parts.items() if scored is not None}
 
 
 def _part(
-    outcome: Outcome, joints: NDArray[np.bool_], tolerance: float
-) -> tuple[int, Score] | None:
-    errors = outcome.errors[:, joints]
+    result: TrialResult, joints: NDArray[np.bool_], tolerance: float
+) -> tuple[int, Accuracy] | None:
+    errors = result.errors[:, joints]
     people = int((~np.isnan(errors)).any(axis=1).sum())
     if not people:
         return None
-    some = outcome._replace(joints=outcome.joints[joints], errors=errors)
-    return people, score_of(some, tolerance)
+    some = result._replace(joints=result.joints[joints], errors=errors)
+    return people, accuracy_of(some, tolerance)
 
 
-def shares_within(outcome: Outcome, tolerance: float) -> NDArray[np.float64]:
-    """Return which share of each person's joints lies within `tolerance` metres, shape (P,)."""
-    labelled = ~np.isnan(outcome.errors)
-    within = (outcome.errors <= tolerance).sum(axis=1)
-    shares: NDArray[np.float64] = within / np.maximum(labelled.sum(axis=1), 1)
-    return np.where(labelled.any(axis=1), shares, np.nan)
+def fractions_within(result: TrialResult, tolerance: float) -> NDArray[np.float64]:
+    """Return the fraction of the joints of each person within `tolerance` metres, shape (P,)."""
+    labelled = ~np.isnan(result.errors)
+    within = (result.errors <= tolerance).sum(axis=1)
+    fractions: NDArray[np.float64] = within / np.maximum(labelled.sum(axis=1), 1)
+    return np.where(labelled.any(axis=1), fractions, np.nan)
 
 
 def points_of(experiment: Experiment, rows: Sequence[Row]) -> list[Row]:
-    """Return the scores that a curve goes through.
+    """Return the scores that are points of a curve.
 
-    Where the recordings have too few frames, the largest training sets are all the same, and only
-    the first of them counts.
+    If the recordings have too few frames, the largest training sets are equal, and only the first
+    of them is drawn.
     """
     if experiment.axis is None or not experiment.axis.frames:
         return list(rows)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The page that puts our numbers beside the paper's."""
+"""The HTML page with the measured numbers beside those of the paper."""
 
 from html import escape
 from typing import NamedTuple
@@ -23,11 +23,11 @@ from lsc_pose_experiments.experiment import MEAN, Experiment, Row, Verdict
 PAGE_NAME = 'index.html'
 NOT_IN_TEXT = 'not in the text'
 
-_ANSWERS = {True: 'holds', False: 'does not hold', None: 'cannot be told'}
+_VERDICTS = {True: 'holds', False: 'does not hold', None: 'undecided'}
 
 
 class Section(NamedTuple):
-    """One experiment on the page; one that is not finished has neither rows nor verdicts."""
+    """One experiment on the page; rows and verdicts are empty if it is not finished."""
 
     experiment: Experiment
     rows: list[Row]
@@ -35,13 +35,13 @@ class Section(NamedTuple):
 
 
 class Page(NamedTuple):
-    """What the page says.
+    """The contents of the page.
 
     Attributes:
-        facts: what was measured on, by name.
-        warning: stands above all; '' for none.
-        command: measures what is missing, but for --only.
-        sections: all experiments, in the paper's order.
+        facts: properties of the measurement, by name.
+        warning: text at the top; '' for none.
+        command: the command line that measures missing experiments, without --only.
+        sections: all experiments, in the order of the paper.
     """
 
     facts: dict[str, str]
@@ -51,7 +51,7 @@ class Page(NamedTuple):
 
 
 def write_page(page: Page) -> str:
-    """Return the page as HTML; its pictures lie beside it."""
+    """Return the page as HTML; it refers to the figures in the same folder."""
     warning = f'<p class="warning">{escape(page.warning)}</p>' if page.warning else ''
     facts = ''.join(
         f'<dt>{escape(name)}</dt><dd>{escape(value)}</dd>' for name, value in page.facts.items()
@@ -69,9 +69,9 @@ def write_page(page: Page) -> str:
 <body>
 <h1>The paper's experiments on these recordings</h1>
 <p>He, Wang, Liao, Xue: <em>Depth-images-based pose estimation using regression forests and
-graphical models</em>, Neurocomputing 164 (2015). Its data sets, THU and Stanford, are not public;
-here its tables and figures are measured on other recordings. Numbers that it has only in a picture
-are “{NOT_IN_TEXT}”.</p>
+graphical models</em>, Neurocomputing 164 (2015). Its data sets THU and Stanford are not public, so
+its tables and figures are measured on other recordings. Numbers that the paper shows only in a
+figure are “{NOT_IN_TEXT}”.</p>
 {warning}
 <dl>{facts}</dl>
 {_overview(page.sections)}
@@ -104,18 +104,18 @@ def _overview(sections: list[Section]) -> str:
     """Return all claims in one table."""
     rows = ''.join(
         f'<tr><td><a href="#{section.experiment.name}">{section.experiment.name}</a></td>'
-        f'<td>{escape(claim.words)}</td><td class="answer">{_ANSWERS[verdict.holds]}</td></tr>\n'
+        f'<td>{escape(claim.words)}</td><td class="answer">{_VERDICTS[verdict.holds]}</td></tr>\n'
         for section in sections
         for claim, verdict in zip(section.experiment.claims, section.verdicts, strict=False)
     )
     if not rows:
         return ''
     return (
-        '<h2>What the paper claims, in short</h2>\n<table class="words">\n<thead><tr><th></th>'
+        '<h2>Summary of the claims</h2>\n<table class="words">\n<thead><tr><th></th>'
         f'<th>claim</th><th>here</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n'
-        '<p>Two variants are tested on the same people and compared person by person; a claim '
-        '“cannot be told” where the difference is less than two standard errors (given after ±). '
-        'Frames of one motion are alike, so that these are rather too small.</p>'
+        '<p>Two variants are tested on the same people and compared person by person. A claim is '
+        '“undecided” if the difference is below two standard errors (given after ±). Frames of '
+        'one motion are similar, so the standard errors are rather too small.</p>'
     )
 
 
@@ -142,12 +142,12 @@ def _section(section: Section, command: str) -> str:
 def _claims(section: Section) -> str:
     rows = ''.join(
         f'<tr><td>{escape(claim.words)}</td>'
-        f'<td class="answer"><b>{_ANSWERS[verdict.holds]}</b></td>'
+        f'<td class="answer"><b>{_VERDICTS[verdict.holds]}</b></td>'
         f'<td>{escape(verdict.words)}</td></tr>\n'
         for claim, verdict in zip(section.experiment.claims, section.verdicts, strict=True)
     )
     return (
-        '<table class="words">\n<thead><tr><th>the paper says</th><th>here it</th><th>because'
+        '<table class="words">\n<thead><tr><th>claim of the paper</th><th>here</th><th>reason'
         f'</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>'
     )
 
@@ -157,7 +157,7 @@ def _table(section: Section) -> str:
     tolerance = f'{100 * section.experiment.tolerance:g} cm'
     rows = ''.join(_row(row) for row in section.rows if row.part in shown)
     return (
-        '<table>\n<thead><tr><th>variant</th><th>of</th><th>frames learnt from</th>'
+        '<table>\n<thead><tr><th>variant</th><th>part</th><th>training frames</th>'
         '<th>error, cm</th><th>paper</th>'
         f'<th>within {tolerance}, %</th><th>paper</th></tr></thead>\n'
         f'<tbody>\n{rows}</tbody>\n</table>'

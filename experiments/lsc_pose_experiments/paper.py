@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The paper's tables and figures, each a definition; its numbers are those that its text gives.
+"""Definitions of the paper's tables and figures, with the numbers that its text gives.
 
 He, Wang, Liao, Xue: Depth-images-based pose estimation using regression forests and graphical
 models, Neurocomputing 164 (2015), section 4. THU and Stanford are its two data sets; neither is
@@ -32,29 +32,29 @@ from lsc_pose_experiments.experiment import (
     Experiment,
     Variant,
 )
-from lsc_pose_experiments.trial import Score, Trial
+from lsc_pose_experiments.trial import Accuracy, Trial
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.training.train import TrainingSettings
 from lsc_pose_ros.training.tree_growth import GrowthSettings
 
-_THU = Score(0.036, 0.952)
-_STANFORD = Score(0.035, 0.982)
+_THU = Accuracy(0.036, 0.952)
+_STANFORD = Accuracy(0.035, 0.982)
 
 OURS = 'ours (3DLSC + graph)'
 _GIRSHICK = 'Girshick et al.'
 
 
-class Scope(NamedTuple):
-    """How much is measured.
+class ExperimentDefaults(NamedTuple):
+    """The settings of variants that do not change them, and the values of N and M.
 
     Attributes:
-        training: what is trained where nothing else is said.
-        frames: how many frames are learnt from, where nothing else is said.
-        points: N of Fig. 12; the middle one of the paper's claim is 400.
-        few_points: from how many on the accuracy is said to be stable.
-        votes: M of Fig. 14.
-        few_votes: likewise.
+        training: settings of the training.
+        frames: number of training frames.
+        points: values of N in Fig. 12.
+        few_points: the N from which on the accuracy is stable according to the paper.
+        votes: values of M in Fig. 14.
+        few_votes: the M from which on the accuracy is stable according to the paper.
     """
 
     training: TrainingSettings
@@ -65,14 +65,14 @@ class Scope(NamedTuple):
     few_votes: int = 100
 
 
-def full_scope(seed: int) -> Scope:
-    """Return what the paper measures."""
+def full_defaults(seed: int) -> ExperimentDefaults:
+    """Return the defaults of the paper."""
     settings = Settings(offset_seed=seed)
-    return Scope(TrainingSettings(numbers_of(DEFAULT_JOINTS), settings, seed=seed))
+    return ExperimentDefaults(TrainingSettings(numbers_of(DEFAULT_JOINTS), settings, seed=seed))
 
 
-def quick_scope(seed: int) -> Scope:
-    """Return as little of it as still uses every part, for a minute on a small machine."""
+def quick_defaults(seed: int) -> ExperimentDefaults:
+    """Return defaults that use all parts and take a minute on a small machine."""
     settings = Settings(points=80, query_points=80, offset_seed=seed)
     training = TrainingSettings(
         numbers_of(DEFAULT_JOINTS),
@@ -81,35 +81,41 @@ def quick_scope(seed: int) -> Scope:
         growth=GrowthSettings(depth=9),
         seed=seed,
     )
-    return Scope(
+    return ExperimentDefaults(
         training, frames=60, points=(40, 80, 160), few_points=80, votes=(1, 20, 200), few_votes=20
     )
 
 
-def _trial(scope: Scope, *, graph: bool = True, **settings: float | str) -> Trial:
-    changed = scope.training.settings._replace(**settings)  # type: ignore[arg-type]
-    return Trial(scope.training._replace(settings=changed), scope.frames, graph)
+def _trial(defaults: ExperimentDefaults, *, graph: bool = True, **settings: float | str) -> Trial:
+    changed = defaults.training.settings._replace(**settings)  # type: ignore[arg-type]
+    return Trial(defaults.training._replace(settings=changed), defaults.frames, graph)
 
 
-def _girshick(scope: Scope) -> Trial:
-    return _trial(scope, graph=False, feature='dcf', sample='body')
+def _girshick(defaults: ExperimentDefaults) -> Trial:
+    return _trial(defaults, graph=False, feature='dcf', sample='body')
 
 
-def table1(scope: Scope) -> Experiment:
-    """Hand, head and foot within 0.2 m."""
+def table1(defaults: ExperimentDefaults) -> Experiment:
+    """Measure hand, head and foot within 0.2 m."""
     joints = numbers_of([*DEFAULT_JOINTS, 'l_foot', 'r_foot'])
-    trial = Trial(scope.training._replace(joints=joints), scope.frames)
+    trial = Trial(defaults.training._replace(joints=joints), defaults.frames)
     reported = {'hands': 0.997, 'head': 1.0, 'feet': 0.997}
     others = {'hands': 0.870, 'head': 0.800, 'feet': 0.990}
     li = 'Li et al. (endpoints)'
     return Experiment(
         'table1',
         'Table 1: hand, head and foot within 0.2 m',
-        'The feet are learnt besides the other joints. Paper: Stanford. The rival detects these '
-        'three endpoints only; its numbers are those that it reports.',
+        'The feet are learnt in addition to the other joints. Paper: Stanford. Li et al. detect '
+        'only these three endpoints; their numbers are from their paper.',
         (
-            Variant(li, None, {part: Score(None, share) for part, share in others.items()}),
-            Variant(OURS, trial, {part: Score(None, share) for part, share in reported.items()}),
+            Variant(
+                li, None, {part: Accuracy(None, fraction) for part, fraction in others.items()}
+            ),
+            Variant(
+                OURS,
+                trial,
+                {part: Accuracy(None, fraction) for part, fraction in reported.items()},
+            ),
         ),
         (
             claims.part_reaches(
@@ -124,17 +130,17 @@ def table1(scope: Scope) -> Experiment:
     )
 
 
-def table2(scope: Scope) -> Experiment:
-    """The features."""
+def table2(defaults: ExperimentDefaults) -> Experiment:
+    """Compare the features."""
     labels = '3DLSC', 'DCF', '2DSC'
     features = zip(labels, ('3dlsc', 'dcf', '2dsc'), (0.982, 0.976, 0.876), strict=True)
     return Experiment(
         'table2',
         'Table 2: the feature',
-        'What the forest sees of a point; all else, the graph too, stays. Paper: Stanford.',
+        'The features of a point; forest and graph are the same. Paper: Stanford.',
         tuple(
-            Variant(label, _trial(scope, feature=feature), {MEAN: Score(None, share)})
-            for label, feature, share in features
+            Variant(label, _trial(defaults, feature=feature), {MEAN: Accuracy(None, fraction)})
+            for label, feature, fraction in features
         ),
         (
             claims.better('3DLSC', '2DSC', '3DLSC is better than 2DSC (paper: by 10.6 points).'),
@@ -144,35 +150,35 @@ def table2(scope: Scope) -> Experiment:
     )
 
 
-def fig6(scope: Scope) -> Experiment:
-    """Joint by joint against Girshick et al., THU."""
+def fig6(defaults: ExperimentDefaults) -> Experiment:
+    """Compare each joint with Girshick et al., THU."""
     return Experiment(
         'fig6',
-        'Fig. 6: joint by joint, beside Girshick et al. (THU)',
-        'Girshick et al. is DCF on points of the whole body and each joint by itself, in the same '
-        "forest. Paper: THU; of its curves the text gives the mean of the paper's own method.",
+        'Fig. 6: joint by joint, against Girshick et al. (THU)',
+        'Girshick et al. is DCF on points of the whole body, without the graph, in the same '
+        "forest. Paper: THU; the text gives only the mean of the paper's own method.",
         (
-            Variant(OURS, _trial(scope), {MEAN: _THU}),
-            Variant(_GIRSHICK, _girshick(scope)),
+            Variant(OURS, _trial(defaults), {MEAN: _THU}),
+            Variant(_GIRSHICK, _girshick(defaults)),
         ),
         (
             claims.better(OURS, _GIRSHICK, 'Better than Girshick et al.'),
             claims.more_at_limb_ends(
-                OURS, _GIRSHICK, 'The gain is remarkable at limb ends: elbow, wrist and hand.'
+                OURS, _GIRSHICK, 'The gain is largest at the limb ends: elbow, wrist and hand.'
             ),
             claims.reaches(OURS, 0.952, 0.036, "As good as the paper's: 95.2 % and 3.6 cm."),
         ),
     )
 
 
-def fig7(scope: Scope) -> Experiment:
-    """Joint by joint against Girshick et al., Stanford."""
-    same = fig6(scope)
+def fig7(defaults: ExperimentDefaults) -> Experiment:
+    """Compare each joint with Girshick et al., Stanford."""
+    same = fig6(defaults)
     first, second = same.variants
     return same._replace(
         name='fig7',
-        title='Fig. 7: joint by joint, beside Girshick et al. (Stanford)',
-        what="As Fig. 6, beside the paper's numbers on Stanford. Its caption is not in the text; "
+        title='Fig. 7: joint by joint, against Girshick et al. (Stanford)',
+        what="As Fig. 6, with the paper's numbers on Stanford. Its caption is not in the text; "
         'section 4.4 names this comparison.',
         variants=(first._replace(paper={MEAN: _STANFORD}), second),
         claims=(
@@ -182,21 +188,20 @@ def fig7(scope: Scope) -> Experiment:
     )
 
 
-def fig8(scope: Scope) -> Experiment:
-    """Joint by joint beside what others report."""
+def fig8(defaults: ExperimentDefaults) -> Experiment:
+    """Joint by joint, with the numbers of the paper."""
     return Experiment(
         'fig8',
-        'Fig. 8: joint by joint, beside what others report (Stanford)',
-        'The paper sets its own results beside those that Shotton et al. and Ganapathi et al. '
-        'report on Stanford. Their numbers are not in the text, and their programs are not part '
-        'of it, so that only our own method stands here.',
-        (Variant(OURS, _trial(scope), {MEAN: _STANFORD}),),
+        'Fig. 8: joint by joint, against published results (Stanford)',
+        'The paper compares its results with those that Shotton et al. and Ganapathi et al. '
+        'report on Stanford. Their numbers are not in the text, so only this method is shown.',
+        (Variant(OURS, _trial(defaults), {MEAN: _STANFORD}),),
         (claims.reaches(OURS, 0.982, 0.035, "As good as the paper's: 98.2 % and 3.5 cm."),),
     )
 
 
-def fig9(scope: Scope) -> Experiment:
-    """With and without the graph."""
+def fig9(defaults: ExperimentDefaults) -> Experiment:
+    """Compare the method with and without the graph."""
     alone = 'without the graph'
     return Experiment(
         'fig9',
@@ -204,8 +209,8 @@ def fig9(scope: Scope) -> Experiment:
         'The same forest; without the graph each joint is the highest mode of its own density. '
         'Paper: Stanford.',
         (
-            Variant(OURS, _trial(scope), {MEAN: _STANFORD}),
-            Variant(alone, _trial(scope, graph=False), {MEAN: Score(0.045, 0.942)}),
+            Variant(OURS, _trial(defaults), {MEAN: _STANFORD}),
+            Variant(alone, _trial(defaults, graph=False), {MEAN: Accuracy(0.045, 0.942)}),
         ),
         (
             claims.better(OURS, alone, 'The graph helps (paper: 4.0 points, 1.0 cm).'),
@@ -214,19 +219,19 @@ def fig9(scope: Scope) -> Experiment:
     )
 
 
-def fig11(scope: Scope) -> Experiment:
-    """The two smoothings."""
+def fig11(defaults: ExperimentDefaults) -> Experiment:
+    """Leave out each of the two smoothings."""
     rough, single = 'without Gaussian filtering', 'without multi-binning'
     return Experiment(
         'fig11',
         'Fig. 11: Gaussian filtering and multi-binning',
-        'Without filtering eq. 1 leaves the depth as it is; without multi-binning each point '
-        "counts in one bin of the descriptor alone, not in eight (eq. 4). The figure's numbers "
-        'are not in the text.',
+        'Without filtering, eq. 1 does not change the depth; without multi-binning, each point '
+        "counts in one bin of the descriptor instead of eight (eq. 4). The figure's numbers are "
+        'not in the text.',
         (
-            Variant(OURS, _trial(scope)),
-            Variant(rough, _trial(scope, smoothing_sigma=0.0)),
-            Variant(single, _trial(scope, binning='nearest')),
+            Variant(OURS, _trial(defaults)),
+            Variant(rough, _trial(defaults, smoothing_sigma=0.0)),
+            Variant(single, _trial(defaults, binning='nearest')),
         ),
         (
             claims.better(OURS, rough, 'Worse without Gaussian filtering.'),
@@ -236,47 +241,47 @@ def fig11(scope: Scope) -> Experiment:
     )
 
 
-def fig12(scope: Scope) -> Experiment:
-    """The number of silhouette points."""
-    reported = {100: Score(0.051, 0.928), 400: Score(0.036, 0.952)}
-    labels = [str(count) for count in scope.points]
-    few = str(scope.few_points)
+def fig12(defaults: ExperimentDefaults) -> Experiment:
+    """Vary the number of silhouette points."""
+    reported = {100: Accuracy(0.051, 0.928), 400: Accuracy(0.036, 0.952)}
+    labels = [str(count) for count in defaults.points]
+    few = str(defaults.few_points)
     return Experiment(
         'fig12',
         'Fig. 12: the number N of silhouette points',
-        'Forests are trained anew for each N, and all N points vote. Paper: THU.',
+        'A forest is trained for each N, and all N points vote. Paper: THU.',
         tuple(
             Variant(
                 label,
-                _trial(scope, points=count, query_points=count),
+                _trial(defaults, points=count, query_points=count),
                 {MEAN: reported[count]} if count in reported else {},
                 count,
             )
-            for label, count in zip(labels, scope.points, strict=True)
+            for label, count in zip(labels, defaults.points, strict=True)
         ),
         (
             claims.better(few, labels[0], f'{few} points are far better than {labels[0]}.'),
-            claims.level(labels[labels.index(few) :], f'From {few} points on it is stable.'),
+            claims.equal(labels[labels.index(few) :], f'From {few} points on it is stable.'),
         ),
         axis=Axis('silhouette points N'),
     )
 
 
-def fig13(scope: Scope) -> Experiment:
-    """The unit of votes."""
+def fig13(defaults: ExperimentDefaults) -> Experiment:
+    """Compare units of the votes."""
     own = 'normalised (each body its own)'
     fixed = {f'{metres:g} m for all': metres for metres in (0.3, 0.5, 0.8)}
     return Experiment(
         'fig13',
         'Fig. 13: the normalisation factor',
-        "A fixed distance takes the place of each body's mean point distance wherever that is "
-        'the unit: of the votes, of the contributions (eq. 10) and of how far a descriptor '
-        'reaches. People are divided by the mean length of their true limbs. Paper: THU; the '
-        "figure's numbers are not in the text, but for the mean of the normalised method.",
+        "A fixed distance replaces each body's mean point distance as the unit of the votes, of "
+        'the contributions (eq. 10) and of the support radius of the descriptor. People are '
+        'grouped by the mean length of their labelled limbs. Paper: THU; the text gives only the '
+        'mean of the normalised method.',
         (
-            Variant(own, _trial(scope), {MEAN: _THU}),
+            Variant(own, _trial(defaults), {MEAN: _THU}),
             *(
-                Variant(label, _trial(scope, fixed_scale=metres))
+                Variant(label, _trial(defaults, fixed_scale=metres))
                 for label, metres in fixed.items()
             ),
         ),
@@ -285,57 +290,57 @@ def fig13(scope: Scope) -> Experiment:
     )
 
 
-def fig14(scope: Scope) -> Experiment:
-    """The number of votes."""
-    labels = [str(count) for count in scope.votes]
-    few = str(scope.few_votes)
+def fig14(defaults: ExperimentDefaults) -> Experiment:
+    """Vary the number of votes."""
+    labels = [str(count) for count in defaults.votes]
+    few = str(defaults.few_votes)
     return Experiment(
         'fig14',
         'Fig. 14: the size M of the subsets of votes',
-        'The M heaviest votes make the density of a joint or a pair; the forest stays. Paper: '
-        "Stanford; it uses 200, and of the figure's numbers the text gives that one.",
+        'The density of a joint or a pair has the M heaviest votes; the forest is the same. '
+        'Paper: Stanford; it uses 200, and the text gives only that number.',
         tuple(
             Variant(
                 label,
-                _trial(scope, heaviest_votes=count),
+                _trial(defaults, heaviest_votes=count),
                 {MEAN: _STANFORD} if count == 200 else {},
                 count,
             )
-            for label, count in zip(labels, scope.votes, strict=True)
+            for label, count in zip(labels, defaults.votes, strict=True)
         ),
         (
             claims.better(few, labels[0], f'{few} votes are better than {labels[0]}.'),
-            claims.level(labels[labels.index(few) :], f'From {few} votes on it is flat.'),
+            claims.equal(labels[labels.index(few) :], f'From {few} votes on it is flat.'),
         ),
         axis=Axis('votes M', logarithmic=True),
     )
 
 
-def fig15(scope: Scope) -> Experiment:
-    """The number of training frames."""
+def fig15(defaults: ExperimentDefaults) -> Experiment:
+    """Vary the number of training frames."""
     tenths = (1.25, 2.5, 5, 10, 20, 100 / 3.6)
-    counts = [round(scope.frames * tenth / 10) for tenth in tenths]
+    counts = [round(defaults.frames * tenth / 10) for tenth in tenths]
     labels = [f'{count} frames' for count in counts]
     return Experiment(
         'fig15',
         'Fig. 15: the number of training frames',
-        'The paper goes from 3,600 to 10,000 frames of its own recordings; where these have '
-        "fewer, there is no point. The figure's numbers are not in the text.",
+        'The paper uses 3,600 to 10,000 frames of its own recordings; larger sets are missing if '
+        "these recordings have fewer. The figure's numbers are not in the text.",
         tuple(
-            Variant(label, Trial(scope.training, count), x=count)
+            Variant(label, Trial(defaults.training, count), x=count)
             for label, count in zip(labels, counts, strict=True)
         ),
         (
-            claims.grows(
-                labels, labels[counts.index(scope.frames)], 'It improves with more frames.'
+            claims.improves_with_frames(
+                labels, labels[counts.index(defaults.frames)], 'It improves with more frames.'
             ),
         ),
         axis=Axis('training frames', logarithmic=True, frames=True),
     )
 
 
-EXPERIMENTS: dict[str, Callable[[Scope], Experiment]] = {
+EXPERIMENTS: dict[str, Callable[[ExperimentDefaults], Experiment]] = {
     make.__name__: make
     for make in (table1, table2, fig6, fig7, fig8, fig9, fig11, fig12, fig13, fig14, fig15)
 }
-"""All of them, by name, in the paper's order."""
+"""All experiments by name, in the order of the paper."""

@@ -13,34 +13,34 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which frames are learnt from and which are tested."""
+"""Divides recordings into training and test frames."""
 
 import zlib
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from lsc_pose_experiments.drawn_frames import Draw, DrawnFrame, draw_frames, merge
+from lsc_pose_experiments.sampled_frames import FrameSample, SampledFrame, merge, sample_frames
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
 
 PROTOCOLS = ('random', 'recordings', 'leave-one-out')
-"""The paper's: frames of all recordings, at random; others: other recordings are tested."""
+"""`random` divides frames at random, as the paper; the others test other recordings."""
 
 # The paper tests 900 of 4,500 frames.
-_TEST_SHARE = 5
+_TEST_DIVISOR = 5
 
 
-class Study(NamedTuple):
-    """What is measured on.
+class DataSelection(NamedTuple):
+    """The recordings of the measurements, and how they are divided.
 
     Attributes:
-        recordings: to learn from, and of two protocols also to test with.
-        tests: to test with, of the protocol `recordings`.
+        recordings: training recordings; except with the protocol `recordings`, also tested.
+        tests: test recordings of the protocol `recordings`.
         protocol: one of PROTOCOLS.
-        test_frames: how many frames are tested at most, in each fold.
-        seed: of the draws.
-        topics: all that decides what the frames of a recording are, for the keys of results.
+        test_frames: the largest number of test frames in each fold.
+        seed: seed of the samples of frames.
+        topics: the options that determine the frames of a recording, for the keys of results.
     """
 
     recordings: tuple[Path, ...]
@@ -52,9 +52,9 @@ class Study(NamedTuple):
 
 
 class Fold(NamedTuple):
-    """One way to divide recordings: which are learnt from, which are tested.
+    """One division into training and test recordings.
 
-    In the protocol `random` both are all, and their frames are divided.
+    With the protocol `random` both are all recordings, and their frames are divided.
     """
 
     train: tuple[Path, ...]
@@ -62,29 +62,29 @@ class Fold(NamedTuple):
 
 
 class FoldFrames(NamedTuple):
-    """The frames of a fold: those to learn from, in the order of their turns, and the tested."""
+    """The training frames, ascending by rank, and the test frames of a fold."""
 
-    train: list[DrawnFrame]
-    test: list[DrawnFrame]
+    train: list[SampledFrame]
+    test: list[SampledFrame]
 
 
-def folds_of(study: Study) -> list[Fold]:
-    """Return the ways in which the recordings are divided.
+def folds_of(selection: DataSelection) -> list[Fold]:
+    """Return the folds of the protocol.
 
     Raises:
-        InputError: the protocol needs other recordings.
+        InputError: the recordings do not fit the protocol.
     """
-    recordings, tests = study.recordings, study.tests
-    if bool(tests) != (study.protocol == 'recordings'):
-        msg = f'the protocol {study.protocol} ' + (
+    recordings, tests = selection.recordings, selection.tests
+    if bool(tests) != (selection.protocol == 'recordings'):
+        msg = f'the protocol {selection.protocol} ' + (
             'takes no --test: it divides the --recordings'
             if tests
             else 'needs --test: the recordings to test with'
         )
         raise InputError(msg)
-    if study.protocol == 'recordings':
+    if selection.protocol == 'recordings':
         return [Fold(recordings, tests)]
-    if study.protocol == 'random':
+    if selection.protocol == 'random':
         return [Fold(recordings, recordings)]
     if len(recordings) < 2:
         msg = 'the protocol leave-one-out needs two --recordings or more, best one a person'
@@ -93,62 +93,66 @@ def folds_of(study: Study) -> list[Fold]:
             for n in range(len(recordings))]  # fmt: skip
 
 
-def fold_key(study: Study, fold: Fold) -> dict[str, object]:
-    """Return all that decides which frames a fold has, but for how many are learnt from."""
+def fold_key(selection: DataSelection, fold: Fold) -> dict[str, object]:
+    """Return everything that determines the frames of a fold except their number in training."""
     return {
-        'protocol': study.protocol,
+        'protocol': selection.protocol,
         'train': [_identity(path) for path in fold.train],
         'test': [_identity(path) for path in fold.test],
-        'test_frames': study.test_frames,
-        'seed': study.seed,
-        'topics': list(study.topics),
+        'test_frames': selection.test_frames,
+        'seed': selection.seed,
+        'topics': list(selection.topics),
     }
 
 
 def _identity(path: Path) -> list[object]:
-    """Return what tells a recording from others, and from itself once it has changed."""
+    """Return values that identify a recording and its version."""
     files = sorted(path.rglob('*')) if path.is_dir() else [path]
     return [path.name, *([file.stat().st_size, file.stat().st_mtime_ns] for file in files)]
 
 
-class Draws:
-    """What is drawn from the recordings of a study, each read once, when it is first needed."""
+class FrameSampler:
+    """Samples the frames of recordings; each is read once, when it is first needed."""
 
-    def __init__(self, study: Study, wanted: int, read: Callable[[Path], Iterable[Frame]]) -> None:
-        """Draw frames for folds that learn from `wanted` frames; `read` opens a recording."""
-        self._study = study
-        self._wanted = wanted + study.test_frames
+    def __init__(
+        self, selection: DataSelection, wanted: int, read: Callable[[Path], Iterable[Frame]]
+    ) -> None:
+        """Prepare folds with `wanted` training frames; `read` yields the frames of a recording."""
+        self._selection = selection
+        self._wanted = wanted + selection.test_frames
         self._read = read
-        self._draws: dict[Path, Draw] = {}
+        self._draws: dict[Path, FrameSample] = {}
 
     def frames(self, fold: Fold) -> FoldFrames:
         """Return the frames of `fold`.
 
         Raises:
-            InputError: there are too few, or a recording cannot be read.
+            InputError: there are too few labelled frames, or a recording cannot be read.
         """
-        if self._study.protocol == 'random':
+        if self._selection.protocol == 'random':
             frames = self._divide([self._of(path) for path in fold.train])
         else:
             test = merge(self._of(path) for path in fold.test)
             train = merge(self._of(path) for path in fold.train)
-            frames = FoldFrames(train, test[: self._study.test_frames])
+            frames = FoldFrames(train, test[: self._selection.test_frames])
         if not frames.train or not frames.test:
             names = _names(fold.test if frames.train else fold.train)
-            msg = f'{names}: too few labelled frames to learn from some and test others'
+            msg = f'{names}: too few labelled frames for training and test'
             raise InputError(msg)
         return frames
 
-    def _divide(self, draws: list[Draw]) -> FoldFrames:
+    def _divide(self, draws: list[FrameSample]) -> FoldFrames:
         frames = merge(draws)
-        tested = min(self._study.test_frames, sum(draw.labelled for draw in draws) // _TEST_SHARE)
+        tested = min(
+            self._selection.test_frames, sum(draw.labelled for draw in draws) // _TEST_DIVISOR
+        )
         return FoldFrames(frames[tested:], frames[:tested])
 
-    def _of(self, path: Path) -> Draw:
+    def _of(self, path: Path) -> FrameSample:
         if path not in self._draws:
-            # By the name, so that what is drawn does not depend on the other recordings.
-            seed = self._study.seed, zlib.crc32(path.name.encode())
-            self._draws[path] = draw_frames(self._read(path), self._wanted, seed)
+            # The name is in the seed, so that a sample does not depend on the other recordings.
+            seed = self._selection.seed, zlib.crc32(path.name.encode())
+            self._draws[path] = sample_frames(self._read(path), self._wanted, seed)
         return self._draws[path]
 
 

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is written: a table and a picture for each experiment, and the page."""
+"""Writes the page, and a table and a figure for each experiment."""
 
 import csv
 import io
@@ -21,60 +21,60 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from lsc_pose_experiments.drawing import draw_experiment
-from lsc_pose_experiments.experiment import Experiment, Outcomes, Row, rows_of
+from lsc_pose_experiments.experiment import Experiment, Row, TrialResults, rows_of
 from lsc_pose_experiments.page import PAGE_NAME, Page, Section, write_page
-from lsc_pose_experiments.running import Bench, outcome_of
+from lsc_pose_experiments.running import TrialContext, result_of
 from lsc_pose_ros.viz.drawing.canvas import save_png, write_beside
 
 
 class Publisher:
-    """Writes each experiment into a folder as soon as all of its trials are finished."""
+    """Writes each experiment into a folder when all its trials are finished."""
 
     def __init__(self, folder: Path, page: Page, experiments: Sequence[Experiment]) -> None:
-        """Write into `folder`; `page` as yet without sections, for all `experiments`."""
+        """Write `experiments` into `folder`; `page` has no sections yet."""
         self._folder = folder
         self._page = page
         self._experiments = experiments
         self._done: dict[str, Section] = {}
 
-    def publish(self, bench: Bench) -> Page:
-        """Write what is finished and not yet written, and the page; return what it says.
+    def publish(self, context: TrialContext) -> Page:
+        """Write the page, and the experiments that are newly finished; return the page.
 
         Raises:
             InputError: a file cannot be written.
         """
         for experiment in self._experiments:
             if experiment.name not in self._done:
-                outcomes = outcomes_of(bench, experiment)
-                if outcomes is not None:
-                    self._done[experiment.name] = self._write(experiment, outcomes)
+                results = results_of(context, experiment)
+                if results is not None:
+                    self._done[experiment.name] = self._write(experiment, results)
         nothing = {e.name: Section(e, [], []) for e in self._experiments}
         page = self._page._replace(sections=list((nothing | self._done).values()))
         write_beside(self._folder / PAGE_NAME, write_page(page).encode())
         return page
 
-    def _write(self, experiment: Experiment, outcomes: Outcomes) -> Section:
-        rows = rows_of(experiment, outcomes)
+    def _write(self, experiment: Experiment, results: TrialResults) -> Section:
+        rows = rows_of(experiment, results)
         path = self._folder / f'{experiment.name}.csv'
         write_beside(path, csv_of(rows).encode())
         figure = draw_experiment(experiment, rows)
         save_png(figure, path.with_suffix('.png'))
-        return Section(experiment, rows, [claim.judge(outcomes) for claim in experiment.claims])
+        return Section(experiment, rows, [claim.judge(results) for claim in experiment.claims])
 
 
-def outcomes_of(bench: Bench, experiment: Experiment) -> Outcomes | None:
-    """Return what came of all variants, by label, or None where one is not finished."""
-    outcomes = {
-        variant.label: outcome_of(bench, variant.trial)
+def results_of(context: TrialContext, experiment: Experiment) -> TrialResults | None:
+    """Return the results of all variants by label, or None if one is not finished."""
+    results = {
+        variant.label: result_of(context, variant.trial)
         for variant in experiment.variants
         if variant.trial
     }
-    finished = {label: outcome for label, outcome in outcomes.items() if outcome}
-    return finished if len(finished) == len(outcomes) else None
+    finished = {label: result for label, result in results.items() if result}
+    return finished if len(finished) == len(results) else None
 
 
 def csv_of(rows: Sequence[Row]) -> str:
-    """Return `rows` as CSV with a line of names above; what is not known is empty."""
+    """Return `rows` as CSV with a header line; unknown values are empty."""
     text = io.StringIO(newline='')
     writer = csv.writer(text, lineterminator='\n')
     writer.writerow(Row._fields)

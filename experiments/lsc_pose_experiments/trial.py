@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One thing that is measured: what to train, how to estimate; and what came of it."""
+"""Trials: what is trained and tested, the results, and a folder that stores them."""
 
 import base64
 import hashlib
@@ -34,17 +34,17 @@ from lsc_pose_ros.training import train
 from lsc_pose_ros.training.train import TrainingSettings
 from lsc_pose_ros.viz.drawing.canvas import make_directory, write_beside
 
-# To be raised where what a result holds, or how frames are drawn, changes.
+# To be incremented if the contents of a result, or the sampling of frames, change.
 _FORMAT = 1
 
 
 class Trial(NamedTuple):
-    """One model, tested in one way.
+    """One model, tested with one set of settings.
 
     Attributes:
-        training: what is trained; a joint that is labelled nowhere is left out.
-        frames: how many frames are learnt from, at most.
-        graph: whether the pictorial structure ties the joints together.
+        training: settings of the training; a joint that is never labelled is left out.
+        frames: the largest number of training frames.
+        graph: whether the pictorial structure is used.
     """
 
     training: TrainingSettings
@@ -52,15 +52,15 @@ class Trial(NamedTuple):
     graph: bool = True
 
 
-class Outcome(NamedTuple):
+class TrialResult(NamedTuple):
     """The errors of P labelled people.
 
     Attributes:
-        joints: the joints' numbers, shape (J,).
-        errors: metres, NaN where there is no truth, infinity where no estimate, shape (P, J).
-        sizes: how large each person is beside the mean of all in the fold, shape (P,).
-        frames: how many frames were learnt from; of several folds, on the average.
-        seconds: how long the training took; of several folds, in all.
+        joints: joint numbers, shape (J,).
+        errors: metres, NaN without ground truth, infinity without estimate, shape (P, J).
+        sizes: size of each person relative to the mean of the fold, shape (P,).
+        frames: number of training frames; the mean over several folds.
+        seconds: duration of the training; the sum over several folds.
     """
 
     joints: NDArray[np.uint16]
@@ -70,54 +70,52 @@ class Outcome(NamedTuple):
     seconds: float
 
 
-class Score(NamedTuple):
-    """A mean error in metres and a share within the tolerance; None where it is not known."""
+class Accuracy(NamedTuple):
+    """Mean error, metres, and fraction within the tolerance; None if unknown."""
 
     error: float | None = None
-    share: float | None = None
+    fraction: float | None = None
 
 
-def score_of(outcome: Outcome, tolerance: float) -> Score:
-    """Return the mean error and mAP of `outcome` as `evaluate` counts; `tolerance` in metres."""
-    labelled = outcome.errors[~np.isnan(outcome.errors)]
+def accuracy_of(result: TrialResult, tolerance: float) -> Accuracy:
+    """Return mean error and mAP of `result`, as `evaluate` defines them; `tolerance` in metres."""
+    labelled = result.errors[~np.isnan(result.errors)]
     if len(labelled) and np.isinf(labelled).all():
-        return Score(None, 0.0)
-    summary = summarise(_evaluation(outcome), tolerance)
-    return Score(summary.mean_error_m, summary.map)
+        return Accuracy(None, 0.0)
+    summary = summarise(_evaluation(result), tolerance)
+    return Accuracy(summary.mean_error_m, summary.map)
 
 
-def _evaluation(outcome: Outcome) -> Evaluation:
-    people = len(outcome.errors)
+def _evaluation(result: TrialResult) -> Evaluation:
+    people = len(result.errors)
     return Evaluation(
-        outcome.joints,
-        outcome.errors,
+        result.joints,
+        result.errors,
         np.arange(people),
         np.zeros(people, np.uint16),
         np.zeros(people),
-        np.zeros_like(outcome.errors),
-        np.full((*outcome.errors.shape, 3), np.nan, np.float32),
+        np.zeros_like(result.errors),
+        np.full((*result.errors.shape, 3), np.nan, np.float32),
     )
 
 
-def join_outcomes(outcomes: Sequence[Outcome]) -> Outcome:
-    """Return what came of all folds as one."""
-    joints = np.unique(np.concatenate([outcome.joints for outcome in outcomes]))
-    people = [
-        np.full((len(outcome.errors), len(joints)), np.nan, np.float32) for outcome in outcomes
-    ]
-    for errors, outcome in zip(people, outcomes, strict=True):
-        errors[:, np.isin(joints, outcome.joints)] = outcome.errors
-    return Outcome(
+def join_results(results: Sequence[TrialResult]) -> TrialResult:
+    """Return the results of all folds as one."""
+    joints = np.unique(np.concatenate([result.joints for result in results]))
+    people = [np.full((len(result.errors), len(joints)), np.nan, np.float32) for result in results]
+    for errors, result in zip(people, results, strict=True):
+        errors[:, np.isin(joints, result.joints)] = result.errors
+    return TrialResult(
         joints,
         np.concatenate(people),
-        np.concatenate([outcome.sizes for outcome in outcomes]),
-        round(sum(outcome.frames for outcome in outcomes) / len(outcomes)),
-        sum(outcome.seconds for outcome in outcomes),
+        np.concatenate([result.sizes for result in results]),
+        round(sum(result.frames for result in results) / len(results)),
+        sum(result.seconds for result in results),
     )
 
 
 def trial_key(fold: dict[str, object], trial: Trial) -> dict[str, object]:
-    """Return all that decides what comes of `trial` in a fold, the program itself included."""
+    """Return everything that determines the result of `trial` in a fold, with the source code."""
     return {
         'format': _FORMAT,
         'program': [source_hash(module.__name__) for module in (train, evaluate)],
@@ -127,7 +125,7 @@ def trial_key(fold: dict[str, object], trial: Trial) -> dict[str, object]:
 
 
 def plain(value: Any) -> Any:  # noqa: ANN401 - settings of settings
-    """Return `value` in the words of JSON; a NamedTuple becomes a table."""
+    """Return `value` as types of JSON; a NamedTuple becomes a dictionary."""
     if hasattr(value, '_asdict'):
         return {name: plain(part) for name, part in value._asdict().items()}
     if isinstance(value, np.ndarray):
@@ -135,54 +133,54 @@ def plain(value: Any) -> Any:  # noqa: ANN401 - settings of settings
     return value
 
 
-class Store:
-    """The folder that finished trials are kept in, a file each."""
+class ResultStore:
+    """A folder with one file for the result of each finished trial."""
 
     def __init__(self, folder: Path) -> None:
-        """Keep trials in `folder`, which is made when the first one is kept."""
+        """Use `folder`, which is created with the first result."""
         self._folder = folder
-        self._known: dict[Path, Outcome] = {}
+        self._known: dict[Path, TrialResult] = {}
 
-    def load(self, key: dict[str, object]) -> Outcome | None:
-        """Return what came of the trial with `key`, or None where that is not known."""
+    def load(self, key: dict[str, object]) -> TrialResult | None:
+        """Return the result of the trial with `key`, or None if it is not stored."""
         path = self._path(key)
         if path not in self._known:
-            outcome = _read(path, key)
-            if outcome is None:
+            result = _read(path, key)
+            if result is None:
                 return None
-            self._known[path] = outcome
+            self._known[path] = result
         return self._known[path]
 
-    def save(self, key: dict[str, object], outcome: Outcome) -> None:
-        """Keep what came of the trial with `key`.
+    def save(self, key: dict[str, object], result: TrialResult) -> None:
+        """Store the result of the trial with `key`.
 
         Raises:
-            InputError: it cannot be written.
+            InputError: the file cannot be written.
         """
         path = self._path(key)
         make_directory(self._folder)
-        score = score_of(outcome, tolerance=0.1)
+        score = accuracy_of(result, tolerance=0.1)
         table = {
-            # For people to read; the program reads the errors.
+            # For information; only the errors are read back.
             'mean_error_m': score.error,
-            'map': score.share,
-            'seconds': outcome.seconds,
-            'frames': outcome.frames,
-            'joints': names_of(outcome.joints),
-            'errors': _to_text(outcome.errors),
-            'sizes': _to_text(outcome.sizes),
+            'map': score.fraction,
+            'seconds': result.seconds,
+            'frames': result.frames,
+            'joints': names_of(result.joints),
+            'errors': _to_text(result.errors),
+            'sizes': _to_text(result.sizes),
             'key': key,
         }
         write_beside(path, (json.dumps(table, indent=1) + '\n').encode())
-        self._known[path] = outcome
+        self._known[path] = result
 
     def _path(self, key: dict[str, object]) -> Path:
         digest = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()
         return self._folder / f'{digest[:20]}.json'
 
 
-def _read(path: Path, key: dict[str, object]) -> Outcome | None:
-    """Return what the file `path` holds; a file that is damaged is as none, and written anew."""
+def _read(path: Path, key: dict[str, object]) -> TrialResult | None:
+    """Return the result in the file `path`; None if it is missing, damaged or of another trial."""
     try:
         table = json.loads(path.read_text(encoding='utf-8'))
         if table['key'] != json.loads(json.dumps(key)):
@@ -192,7 +190,7 @@ def _read(path: Path, key: dict[str, object]) -> Outcome | None:
         sizes = _from_text(table['sizes'])
         if len(sizes) != len(errors):
             return None
-        return Outcome(joints, errors, sizes, int(table['frames']), float(table['seconds']))
+        return TrialResult(joints, errors, sizes, int(table['frames']), float(table['seconds']))
     except (OSError, ValueError, KeyError, TypeError, InputError):
         return None
 

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Estimation over a sequence of frames: bodies, joints, tracks; and the warm-up of its kernels."""
+"""Estimation of sequences of frames with tracking and smoothing, and warm-up of its kernels."""

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Makes the estimator that the settings ask for."""
+"""Makes an estimator from a model and the settings of a user."""
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.estimator import Estimator
@@ -21,19 +21,19 @@ from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.settings.table import ModelSettings
 
 FEWEST_QUERY_POINTS = 10
-"""With fewer votes than these, a density has no clear mode."""
+"""With fewer voting points, a density has no clear mode."""
 
 
 def make_estimator(model: Model, settings: ModelSettings, name: str) -> Estimator:
-    """Return the estimator with `model`.
+    """Return an estimator with `model` and `settings`.
 
     Args:
         model: the model that `settings` names.
-        settings: how to estimate.
-        name: what the user calls `query_points`, for the error.
+        settings: settings of the estimation.
+        name: the user's name of `query_points`, for the error message.
 
     Raises:
-        InputError: the model has fewer points than shall vote.
+        InputError: the number of voting points is too low, or above that of the model.
     """
     changed = model.settings
     if settings.query_points:
@@ -46,11 +46,11 @@ def make_estimator(model: Model, settings: ModelSettings, name: str) -> Estimato
 
 
 def query_points_refusal(query_points: int, points: int) -> str:
-    """Return why so many points cannot vote; empty if they can.
+    """Return why a number of voting points is invalid; empty if it is valid.
 
     Args:
-        query_points: how many points shall vote, 0 for the number that the model names.
-        points: how many points a silhouette has, 0 if no model is loaded.
+        query_points: number of voting points, 0 for that of the model.
+        points: number of points of a silhouette, 0 if no model is loaded.
     """
     if query_points == 0 or FEWEST_QUERY_POINTS <= query_points <= (points or query_points):
         return ''

@@ -13,9 +13,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Frames that follow one another: bodies keep their numbers, and their joints are smoothed.
+"""Estimates a sequence of frames: bodies are tracked, and their joints are smoothed.
 
-The live node and the replay of a recording both answer through this, so they answer alike.
+The live node and the replay of a recording both use this, so their results are equal.
 """
 
 import numpy as np
@@ -29,32 +29,33 @@ from lsc_pose_ros.settings.table import TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
 from lsc_pose_ros.tracking.tracker import Tracker
 
-# Stamps that go back this far, nanoseconds: a recording has begun again.
+# A stamp that goes back by more than this restarts the sequence, nanoseconds.
 REWIND_NS = 500_000_000
 
 
 class Sequence:
-    """Answers one frame after the other; from one thread at a time.
+    """Estimates the frames of one sequence; not reentrant.
 
     Attributes:
-        estimator: what estimates the joints; may be replaced at any time, from any thread, by
-            one that estimates the same joints.
-        settings: what is done with them; may be replaced at any time, from any thread.
+        estimator: estimates the joints of a frame. It can be replaced at any time, from any
+            thread, by an estimator of the same joints.
+        settings: settings of tracking and smoothing. They can be replaced at any time, from any
+            thread.
     """
 
     def __init__(self, estimator: Estimator, settings: TemporalSettings) -> None:
-        """Begin without a past.
+        """Start without history.
 
         Args:
-            estimator: what estimates the joints.
-            settings: what is done with them.
+            estimator: estimates the joints of a frame.
+            settings: settings of tracking and smoothing.
         """
         self.estimator = estimator
         self.settings = settings
         self.reset()
 
     def reset(self) -> None:
-        """Forget the frames so far."""
+        """Delete the history."""
         self._newest: int | None = None
         self._tracker = Tracker()
         self._filter = OneEuroBodies()
@@ -67,11 +68,11 @@ class Sequence:
         camera: Intrinsics,
         observer: Observer | None = None,
     ) -> Skeletons:
-        """Return the joints of every body in a frame, in the order of the bodies' numbers.
+        """Return the joints of all bodies in a frame, ascending by body number.
 
         Args:
-            stamp: nanoseconds; where it goes back by half a second, the sequence begins anew.
-            depth: metres, 0 where the sensor saw nothing, shape (H, W).
+            stamp: nanoseconds; if it goes back by more than REWIND_NS, the sequence restarts.
+            depth: metres, 0 if unknown, shape (H, W).
             labels: the body number of each pixel, NO_BODY for none, shape (H, W).
             camera: the intrinsics.
             observer: called when a stage of the estimate has ended, for each body.
@@ -79,11 +80,11 @@ class Sequence:
         return self.follow(stamp, self.estimator.estimate(depth, labels, camera, observer))
 
     def follow(self, stamp: int, skeletons: Skeletons) -> Skeletons:
-        """Return the estimator's answer to a frame with lasting numbers, smoothed, as is set.
+        """Return `skeletons` with persistent body numbers, smoothed, depending on the settings.
 
         Args:
             stamp: nanoseconds.
-            skeletons: the estimator's answer.
+            skeletons: the estimate of a frame.
         """
         if self._newest is not None and stamp < self._newest - REWIND_NS:
             self.reset()

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Compiles what estimation needs before the first frame comes, or loads it from the disk."""
+"""Compiles the kernels of the estimation before the first frame, or loads them from disk."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,12 +37,12 @@ _EMPTY_RVL = bytes((0, 0, 0, 0x40))
 
 
 def warm_up(estimator: Estimator) -> Skeletons:
-    """Let `estimator` look at a drawn figure, so that all kernels for its frames are compiled.
+    """Estimate an artificial figure, so that all kernels for frames are compiled.
 
-    Those that read a compressed depth image are, too.
+    The kernels that decode compressed depth images are compiled, too.
 
     Returns:
-        what it sees in the figure, body 1.
+        The estimate of the figure, body 1.
     """
     figure = _draw_figure()
     labels = np.where(figure, np.int32(1), np.int32(NO_BODY))
@@ -51,11 +51,11 @@ def warm_up(estimator: Estimator) -> Skeletons:
 
 
 def warm_up_segmenter(segmenter: Segmenter, seconds: float) -> None:
-    """Let `segmenter` look at a wall, and then at the figure before it.
+    """Segment a wall, and then a figure in front of it.
 
     Args:
-        segmenter: a new one; it is of no use afterwards.
-        seconds: how long it learns the wall.
+        segmenter: a new segmenter; it cannot be used for other images afterwards.
+        seconds: duration for which it learns the background.
     """
     wall = np.full((240, 320), 2 * _DISTANCE, np.float32)
     duration = round(seconds * 1e9)

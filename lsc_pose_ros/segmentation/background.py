@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Bodies before a scene that was seen empty, for users who have no mask."""
+"""Finds bodies in front of a learnt background, for depth images without masks."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,21 +27,21 @@ _MOST_IMAGES = 15
 
 
 class Background:
-    """Learns the empty scene, then takes what is nearer than it.
+    """Learns the empty scene, then finds bodies in front of it.
 
-    During the first seconds nobody should be in view: each pixel's median depth is the scene.
-    Afterwards pixels nearer than the scene by a margin fall into blobs, connected in space; those
-    of the size of a body are the bodies 1, 2, ..., the largest first.
+    Nobody should be in view during the first seconds: the scene is the median depth of each
+    pixel. After that, pixels that are nearer than the scene by a margin form blobs that are
+    connected in space. Blobs of the size of a body are the bodies 1, 2, ..., the largest first.
     """
 
     def __init__(self, seconds: float, margin: float, range_min: float, range_max: float) -> None:
-        """Prepare; learning begins with the first image.
+        """Store the settings; learning begins with the first image.
 
         Args:
-            seconds: how long the empty scene is learnt, by the stamps of the images.
-            margin: metres by which a body must be nearer than the scene.
-            range_min: metres; what is nearer is no body.
-            range_max: metres; what is farther is no body.
+            seconds: duration of learning, by the stamps of the images.
+            margin: metres by which a body is nearer than the scene, at least.
+            range_min: metres; nearer pixels are no body.
+            range_max: metres; farther pixels are no body.
         """
         self._duration = round(seconds * 1e9)
         self._margin = margin
@@ -52,17 +52,17 @@ class Background:
 
     @property
     def ready(self) -> bool:
-        """Whether the scene is learnt; before that nobody is found."""
+        """Whether the scene is learnt; before that no body is found."""
         return self._scene is not None
 
     def learn(self, stamp: int, depth: NDArray[np.float32]) -> None:
-        """Look at an image of the empty scene; once the scene is learnt, nothing changes it.
+        """Learn from an image of the empty scene; does nothing after the scene is learnt.
 
-        But images of another size begin another scene.
+        An image of another size starts a new scene.
 
         Args:
             stamp: nanoseconds.
-            depth: metres, 0 where the sensor saw nothing, shape (H, W).
+            depth: metres, 0 if unknown, shape (H, W).
         """
         if self._scene is not None and self._scene.shape != depth.shape:
             self._scene = None
@@ -72,7 +72,7 @@ class Background:
             self._begin = stamp
             self._seen = []
         elapsed = stamp - self._begin
-        # At most so many images, spread evenly: more need memory and tell little.
+        # More images need memory and do not improve the median.
         if len(self._seen) * self._duration <= elapsed * (_MOST_IMAGES - 1):
             self._seen.append(depth.copy())
         if elapsed >= self._duration:
@@ -80,29 +80,29 @@ class Background:
             self._seen = []
 
     def labels(self, depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.int32]:
-        """Return the number of the body that each pixel shows, NO_BODY for none, shape (H, W).
+        """Return the body number of each pixel, NO_BODY for none, shape (H, W).
 
         Args:
-            depth: metres, 0 where the sensor saw nothing, shape (H, W).
+            depth: metres, 0 if unknown, shape (H, W).
             camera: the intrinsics.
         """
         if self._scene is None or self._scene.shape != depth.shape:
             return np.full(depth.shape, NO_BODY, np.int32)
         nearest, farthest = self._range
-        before = before_scene(depth, self._scene, self._margin, nearest, farthest)
-        blobs = find_blobs(before, camera)
+        foreground = remove_scene(depth, self._scene, self._margin, nearest, farthest)
+        blobs = find_blobs(foreground, camera)
         bodies = body_sized(blobs)
         return label_bodies(blobs, bodies[np.argsort(-blobs.area[bodies], kind='stable')])
 
 
 @kernel
 def empty_scene(images: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return each pixel's median depth, shape (H, W), infinity where it never has one.
+    """Return the median depth of each pixel, shape (H, W); infinity if it is always unknown.
 
-    Of an even number the smaller one in the middle is taken: it is a depth that was seen.
+    Of an even number of depths the lower median is taken, which is a measured depth.
 
     Args:
-        images: metres, 0 where the sensor saw nothing, shape (N, H, W).
+        images: metres, 0 if unknown, shape (N, H, W).
     """
     count, height, width = images.shape
     scene = np.full((height, width), np.inf, np.float32)
@@ -113,11 +113,11 @@ def empty_scene(images: NDArray[np.float32]) -> NDArray[np.float32]:
             for index in range(count):
                 z = images[index, row, column]
                 if z > 0:
-                    place = known
-                    while place > 0 and seen[place - 1] > z:
-                        seen[place] = seen[place - 1]
-                        place -= 1
-                    seen[place] = z
+                    position = known
+                    while position > 0 and seen[position - 1] > z:
+                        seen[position] = seen[position - 1]
+                        position -= 1
+                    seen[position] = z
                     known += 1
             if known > 0:
                 scene[row, column] = seen[(known - 1) // 2]
@@ -125,21 +125,21 @@ def empty_scene(images: NDArray[np.float32]) -> NDArray[np.float32]:
 
 
 @kernel
-def before_scene(
+def remove_scene(
     depth: NDArray[np.float32],
     scene: NDArray[np.float32],
     margin: float,
     nearest: float,
     farthest: float,
 ) -> NDArray[np.float32]:
-    """Return a depth image, shape (H, W), with a BARRIER at what is the scene's or out of range.
+    """Return the depth image with a BARRIER at pixels of the scene or out of range, (H, W).
 
     Args:
-        depth: metres, 0 where the sensor saw nothing, shape (H, W).
-        scene: metres, infinity where the empty scene has no depth, shape (H, W).
+        depth: metres, 0 if unknown, shape (H, W).
+        scene: metres, infinity if unknown, shape (H, W).
         margin: metres by which a body is nearer than the scene, at least.
-        nearest: metres; what is nearer is no body.
-        farthest: metres; what is farther is no body.
+        nearest: metres; nearer pixels are no body.
+        farthest: metres; farther pixels are no body.
     """
     height, width = depth.shape
     kept = np.empty((height, width), np.float32)

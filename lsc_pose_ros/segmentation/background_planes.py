@@ -15,10 +15,11 @@
 
 """Floor, walls and ceiling: the large planes of a depth image with nothing behind them.
 
-A plane is written (a, b, c): a point that is seen in the direction (u, v, 1) at depth z lies on
-it where z (a u + b v + c) = 1, before it where that is less. |(a, b, c)| is one over the plane's
-distance from the camera, and (a, b, c) points from the camera to it. In this form a plane is a
-linear function of 1 / z, in which the noise of stereo and structured light is even.
+A plane is given by (a, b, c): a point in the direction (u, v, 1) at depth z lies on the plane if
+z (a u + b v + c) = 1, and in front of it if the value is smaller. |(a, b, c)| is the inverse of
+the distance of the plane from the camera, and (a, b, c) points from the camera to the plane. In
+this form the plane is linear in 1 / z, in which the noise of stereo and structured light is
+uniform.
 """
 
 from typing import NamedTuple
@@ -33,38 +34,39 @@ from lsc_pose_ros.segmentation.blobs import BARRIER
 MOST_PLANES = 6
 
 SAMPLE_COLUMNS = 80
-"""The image is searched for planes in so many columns, or as many as it has."""
+"""Number of columns of the grid in which planes are searched; fewer if the image is smaller."""
 
 BAND = 0.03
 NOISE = 0.004
 """A point belongs to a plane within BAND + NOISE z^2 cos(ray, normal), metres."""
 
 PLANE_AREA = 1.0
-"""Square metres of a wall that are seen at least; no body is so large and flat."""
+"""The least visible area of a wall, square metres; no body is so large and flat."""
 
 FLOOR_AREA = 0.2
-"""The same for a floor, of which a person who stands close leaves little to see."""
+"""The least visible area of a floor, square metres; a person close to the camera hides much."""
 
 FLOOR_SLOPE = 0.6
-"""A plane is a floor where its normal looks down at least so much, as a cosine."""
+"""A plane is a floor if the cosine between its normal and down is at least this."""
 
-# Beyond this depth a sample weighs no more: a view through a door is no reason against a wall.
+# Samples beyond this depth have the same weight, so that a view through a door does not exclude a
+# wall.
 _FARTHEST_WEIGHT = 4.0
 
-# Planes are guessed from rectangles of samples with these rows and columns, one in each place of
-# a lattice. The flat one finds a floor of which the camera sees but a strip.
+# Planes are proposed from rectangles of samples with these numbers of rows and columns, at the
+# positions of a lattice. The flat rectangle finds a floor of which only a strip is visible.
 _RECTANGLES = ((2, 10), (4, 4), (8, 8))
 _STRIDE = 4
 
 
-class Samples(NamedTuple):
-    """Points of the image on a coarse grid.
+class DepthGrid(NamedTuple):
+    """A depth image sampled on a coarse grid.
 
     Attributes:
         right: u of each column of the grid, shape (C,), float32.
         down: v of each row, shape (R,), float32.
-        depth: metres, 0 where nothing was seen, shape (R, C), float32.
-        solid_angle: what one sample stands for, in pixels of the direction (u, v).
+        depth: metres, 0 if unknown, shape (R, C), float32.
+        solid_angle: the area of one sample in the plane of (u, v).
     """
 
     right: NDArray[np.float32]
@@ -73,13 +75,13 @@ class Samples(NamedTuple):
     solid_angle: float
 
 
-def take_samples(depth: NDArray[np.float32], camera: Intrinsics) -> Samples:
-    """Return samples of a depth image, metres, shape (H, W)."""
+def sample_depth(depth: NDArray[np.float32], camera: Intrinsics) -> DepthGrid:
+    """Return the grid of a depth image, metres, shape (H, W)."""
     height, width = depth.shape
     stride = max(1, width // SAMPLE_COLUMNS)
     columns = np.arange(stride // 2, width, stride)
     rows = np.arange(stride // 2, height, stride)
-    return Samples(
+    return DepthGrid(
         ((columns - camera.cx) / camera.fx).astype(np.float32),
         ((rows - camera.cy) / camera.fy).astype(np.float32),
         np.ascontiguousarray(depth[rows[0] :: stride, columns[0] :: stride]),
@@ -87,42 +89,46 @@ def take_samples(depth: NDArray[np.float32], camera: Intrinsics) -> Samples:
     )
 
 
-def room_planes(depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.float32]:
-    """Return the planes of the room that a depth image shows, shape (P, 3), P <= MOST_PLANES.
+def find_background_planes(depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.float32]:
+    """Return floor, walls and ceiling of a depth image as planes, shape (P, 3), P <= MOST_PLANES.
 
-    One after the other the plane is taken that has the most points on it, less those behind it,
-    which a floor or a wall has not. The same image always gives the same planes.
+    Planes are found greedily: the best one has the most points on it, minus the points behind it,
+    which a floor or a wall does not have. The result is deterministic.
 
     Args:
-        depth: metres, 0 where the sensor saw nothing, shape (H, W).
+        depth: metres, 0 if unknown, shape (H, W).
         camera: the intrinsics.
     """
-    samples = take_samples(depth, camera)
-    free = samples.depth > 0
+    grid = sample_depth(depth, camera)
+    free = grid.depth > 0
     planes = []
     for _ in range(MOST_PLANES):
-        guessed, score = guess_plane(samples, free)
+        proposed, score = propose_plane(grid, free)
         if not score > 0:
             break
-        plane = refine_plane(samples, free, refine_plane(samples, free, guessed))
-        if is_boundary(samples, free, plane):
+        plane = refine_plane(grid, free, refine_plane(grid, free, proposed))
+        if is_boundary(grid, free, plane):
             planes.append(plane)
-        take_away(samples, free, plane)
+        mark_plane(grid, free, plane)
     return np.array(planes, np.float32).reshape(-1, 3)
 
 
 @kernel
-def guess_plane(samples: Samples, free: NDArray[np.bool_]) -> tuple[NDArray[np.float32], float]:
+def propose_plane(grid: DepthGrid, free: NDArray[np.bool_]) -> tuple[NDArray[np.float32], float]:
     """Return the plane through three samples that scores best, shape (3,), and its score.
 
-    The score is the square metres, as if they faced the camera, of free samples on the plane,
-    less those of any samples clearly behind it; 0 where there is no plane.
+    The score is the area of the free samples on the plane minus the area of all samples clearly
+    behind it, in square metres as if they faced the camera; 0 if there is no plane.
+
+    Args:
+        grid: the depth image.
+        free: whether a sample is on none of the planes so far, shape (R, C).
     """
-    points, weights, costs = _score_points(samples, free)
+    points, weights, costs = _score_points(grid, free)
     best, best_score = np.zeros(3, np.float32), 0.0
-    rows, columns = samples.depth.shape
+    rows, columns = grid.depth.shape
     for high, wide in _RECTANGLES:
-        # From the last row up, for the floor is there.
+        # Upwards from the last row, because the floor is at the bottom.
         for bottom in range(rows - 1, high - 1, -min(high, _STRIDE)):
             row = bottom - high
             for column in range(0, columns - wide, _STRIDE):
@@ -133,8 +139,8 @@ def guess_plane(samples: Samples, free: NDArray[np.bool_]) -> tuple[NDArray[np.f
                     and free[bottom, column + wide]
                 ):
                     continue
-                plane = _plane_through(samples, (row, bottom), (column, column + wide))
-                if abs(_distance(samples, plane, bottom, column + wide)) > 1:
+                plane = _plane_through(grid, (row, bottom), (column, column + wide))
+                if abs(_distance(grid, plane, bottom, column + wide)) > 1:
                     continue
                 score = _score(points, weights, costs, plane)
                 if score > best_score:
@@ -144,24 +150,25 @@ def guess_plane(samples: Samples, free: NDArray[np.bool_]) -> tuple[NDArray[np.f
 
 @kernel
 def _score_points(
-    samples: Samples, free: NDArray[np.bool_]
+    grid: DepthGrid, free: NDArray[np.bool_]
 ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]:
-    """Return every second sample of every second row: u, v and z, shape (3, S), and its weights.
+    """Return u, v and z of every second sample of every second row, shape (3, S), and two weights.
 
-    The first weight is for being on a plane, 0 where it is not free; the second for being behind.
+    The first weight counts for a plane through the sample, and is 0 if it is not free. The second
+    counts against a plane in front of it.
     """
-    rows, columns = samples.depth.shape
+    rows, columns = grid.depth.shape
     points = np.empty((3, rows * columns), np.float32)
     weights, costs = np.empty(rows * columns, np.float32), np.empty(rows * columns, np.float32)
     count = 0
     for row in range(0, rows, 2):
         for column in range(0, columns, 2):
-            z = samples.depth[row, column]
+            z = grid.depth[row, column]
             if z > 0:
-                points[0, count] = samples.right[column]
-                points[1, count] = samples.down[row]
+                points[0, count] = grid.right[column]
+                points[1, count] = grid.down[row]
                 points[2, count] = z
-                cost = 4 * samples.solid_angle * min(z, np.float32(_FARTHEST_WEIGHT)) ** 2
+                cost = 4 * grid.solid_angle * min(z, np.float32(_FARTHEST_WEIGHT)) ** 2
                 weights[count] = cost if free[row, column] else 0
                 costs[count] = cost
                 count += 1
@@ -170,31 +177,31 @@ def _score_points(
 
 @kernel
 def _plane_through(
-    samples: Samples, rows: tuple[int, int], columns: tuple[int, int]
+    grid: DepthGrid, rows: tuple[int, int], columns: tuple[int, int]
 ) -> NDArray[np.float32]:
-    """Return the plane through three corners of a rectangle of samples, all but the last."""
-    u0, u1 = samples.right[columns[0]], samples.right[columns[1]]
-    v0, v1 = samples.down[rows[0]], samples.down[rows[1]]
-    here = 1 / samples.depth[rows[0], columns[0]]
+    """Return the plane through three corners of a rectangle of grid, without the last one."""
+    u0, u1 = grid.right[columns[0]], grid.right[columns[1]]
+    v0, v1 = grid.down[rows[0]], grid.down[rows[1]]
+    here = 1 / grid.depth[rows[0], columns[0]]
     plane = np.empty(3, np.float32)
-    plane[0] = (1 / samples.depth[rows[0], columns[1]] - here) / (u1 - u0)
-    plane[1] = (1 / samples.depth[rows[1], columns[0]] - here) / (v1 - v0)
+    plane[0] = (1 / grid.depth[rows[0], columns[1]] - here) / (u1 - u0)
+    plane[1] = (1 / grid.depth[rows[1], columns[0]] - here) / (v1 - v0)
     plane[2] = here - plane[0] * u0 - plane[1] * v0
     return plane
 
 
 @kernel
-def _towards(samples: Samples, plane: NDArray[np.float32], row: int, column: int) -> float:
-    """Return a u + b v + c: the plane's 1 / z in the direction of a sample."""
-    towards: float = plane[0] * samples.right[column] + plane[1] * samples.down[row] + plane[2]
-    return towards
+def _inverse_depth(grid: DepthGrid, plane: NDArray[np.float32], row: int, column: int) -> float:
+    """Return a u + b v + c: 1 / z of the plane in the direction of a sample."""
+    inverse: float = plane[0] * grid.right[column] + plane[1] * grid.down[row] + plane[2]
+    return inverse
 
 
 @kernel
-def _distance(samples: Samples, plane: NDArray[np.float32], row: int, column: int) -> float:
-    """Return how far a sample is behind the plane, in units of what is allowed for being on it."""
-    z = samples.depth[row, column]
-    towards = _towards(samples, plane, row, column)
+def _distance(grid: DepthGrid, plane: NDArray[np.float32], row: int, column: int) -> float:
+    """Return the signed distance of a sample behind the plane, in units of the tolerance."""
+    z = grid.depth[row, column]
+    towards = _inverse_depth(grid, plane, row, column)
     norm = np.sqrt(plane[0] ** 2 + plane[1] ** 2 + plane[2] ** 2)
     distance: float = (z * towards - 1) / (BAND * norm + NOISE * z * z * abs(towards))
     return distance
@@ -223,17 +230,17 @@ def _score(
 
 @kernel
 def refine_plane(
-    samples: Samples, free: NDArray[np.bool_], plane: NDArray[np.float32]
+    grid: DepthGrid, free: NDArray[np.bool_], plane: NDArray[np.float32]
 ) -> NDArray[np.float32]:
-    """Return the plane of least squares, in 1 / z, through the free samples on `plane`."""
+    """Return the least-squares plane, in 1 / z, through the free samples on `plane`."""
     suu = suv = su = svv = sv = s1 = ru = rv = r1 = 0.0
-    rows, columns = samples.depth.shape
+    rows, columns = grid.depth.shape
     for row in range(rows):
-        v = float(samples.down[row])
+        v = float(grid.down[row])
         for column in range(columns):
-            if free[row, column] and abs(_distance(samples, plane, row, column)) <= 1:
-                u = float(samples.right[column])
-                inverse = 1.0 / samples.depth[row, column]
+            if free[row, column] and abs(_distance(grid, plane, row, column)) <= 1:
+                u = float(grid.right[column])
+                inverse = 1.0 / grid.depth[row, column]
                 suu, suv, su = suu + u * u, suv + u * v, su + u
                 svv, sv, s1 = svv + v * v, sv + v, s1 + 1
                 ru, rv, r1 = ru + u * inverse, rv + v * inverse, r1 + inverse
@@ -251,56 +258,56 @@ def refine_plane(
 
 
 @kernel
-def is_boundary(samples: Samples, free: NDArray[np.bool_], plane: NDArray[np.float32]) -> bool:
-    """Return whether a plane bounds the room: enough of it is seen, and little behind it."""
+def is_boundary(grid: DepthGrid, free: NDArray[np.bool_], plane: NDArray[np.float32]) -> bool:
+    """Return whether a plane bounds the room: much of it is visible, and little is behind it."""
     norm = np.sqrt(plane[0] ** 2 + plane[1] ** 2 + plane[2] ** 2)
     area = score = 0.0
-    rows, columns = samples.depth.shape
+    rows, columns = grid.depth.shape
     for row in range(rows):
         for column in range(columns):
-            z = samples.depth[row, column]
+            z = grid.depth[row, column]
             if not z > 0:
                 continue
-            distance = _distance(samples, plane, row, column)
+            distance = _distance(grid, plane, row, column)
             weight = min(z, np.float32(_FARTHEST_WEIGHT)) ** 2
             if distance > 2:
                 score -= weight
             elif abs(distance) <= 1 and free[row, column]:
                 score += weight
-                cosine = abs(_towards(samples, plane, row, column)) / norm
-                area += z * z * samples.solid_angle / max(cosine, 0.05)
+                cosine = abs(_inverse_depth(grid, plane, row, column)) / norm
+                area += z * z * grid.solid_angle / max(cosine, 0.05)
     floor = plane[1] > FLOOR_SLOPE * norm
     return score > 0 and area >= (FLOOR_AREA if floor else PLANE_AREA)
 
 
 @kernel
-def take_away(samples: Samples, free: NDArray[np.bool_], plane: NDArray[np.float32]) -> None:
-    """Let the samples on a plane be free no longer."""
-    rows, columns = samples.depth.shape
+def mark_plane(grid: DepthGrid, free: NDArray[np.bool_], plane: NDArray[np.float32]) -> None:
+    """Mark the samples on a plane as not free."""
+    rows, columns = grid.depth.shape
     for row in range(rows):
         for column in range(columns):
-            if free[row, column] and abs(_distance(samples, plane, row, column)) <= 1:
+            if free[row, column] and abs(_distance(grid, plane, row, column)) <= 1:
                 free[row, column] = False
 
 
 @kernel
-def without_planes(
+def remove_planes(
     depth: NDArray[np.float32],
     planes: NDArray[np.float32],
     camera: Intrinsics,
     nearest: float,
     farthest: float,
 ) -> NDArray[np.float32]:
-    """Return a depth image, shape (H, W), with a BARRIER at what can be no body.
+    """Return the depth image with a BARRIER at pixels that cannot be a body, shape (H, W).
 
-    That is what lies on one of the planes, under a floor, or out of range.
+    These are on one of the planes, below a floor, or out of range.
 
     Args:
-        depth: metres, 0 where the sensor saw nothing, shape (H, W).
-        planes: the room's, shape (P, 3).
+        depth: metres, 0 if unknown, shape (H, W).
+        planes: planes of the room, shape (P, 3).
         camera: the intrinsics.
-        nearest: metres; what is nearer is no body.
-        farthest: metres; what is farther is no body.
+        nearest: metres; nearer pixels are no body.
+        farthest: metres; farther pixels are no body.
     """
     height, width = depth.shape
     kept = np.empty((height, width), np.float32)
@@ -326,7 +333,7 @@ def _block_plane(
     down: np.float32,
     plane: NDArray[np.float32],
 ) -> None:
-    """Put a BARRIER wherever one row of the image shows a plane, or something under a floor."""
+    """Put a BARRIER at the pixels of one row that are on a plane, or below it if it is a floor."""
     a, b, c = plane
     norm = np.sqrt(a * a + b * b + c * c)
     band, start = np.float32(BAND) * norm, b * down + c

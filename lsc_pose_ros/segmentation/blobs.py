@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What hangs together in a depth image, and which of it has the size of a body."""
+"""Finds the connected parts of a depth image, and those of the size of a body."""
 
 from typing import NamedTuple
 
@@ -25,62 +25,62 @@ from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.numerics.jit import kernel
 
 BARRIER = np.float32(-1.0)
-"""Stands in a depth image for a pixel that is seen but belongs to no blob."""
+"""The depth of a pixel that is measured but belongs to no blob."""
 
 STEP = 0.03
 SLOPE = 0.015
-"""Neighbouring pixels hang together if their depths differ by at most STEP + SLOPE z, metres.
+"""Neighbouring pixels are connected if their depths differ by at most STEP + SLOPE z, metres.
 
-At 2 m that is what a surface makes that turns away by 80 degrees at 320 x 240 pixels; at 4 m it
-is twice the step in which a Kinect measures.
+At 2 m this is the step of a surface that is tilted by 80 degrees, at 320 x 240 pixels. At 4 m it
+is twice the depth resolution of a Kinect.
 """
 
-GAP_SHARE = 80
-"""Pixels without depth are bridged as far as the image's width by this number."""
+GAP_DIVISOR = 80
+"""A gap of pixels without depth is bridged up to the width of the image divided by this."""
 
 HIDDEN_WIDTH = 0.25
 HIDDEN_STEP = 0.10
-"""A surface goes on behind what is nearer and, in metres, no wider than this, as a trunk does
-behind folded arms, if its depth differs by no more than this."""
+"""A surface continues behind a nearer part, as a trunk behind folded arms, if the part is at most
+HIDDEN_WIDTH wide and the depths on both sides differ by at most HIDDEN_STEP, metres."""
 
 LONGEST = (0.5, 2.5)
-"""The longest side, metres, of the box around a body: from a child's or half an adult's height to
-arms that are spread or raised."""
+"""Range of the longest side of the box around a body, metres: from a child or half an adult to
+spread or raised arms."""
 
 DEEPEST = 2.0
-"""The box's longest side along the line of sight, metres."""
+"""The largest extent of the box along the line of sight, metres."""
 
 AREA = (0.10, 1.6)
-"""Square metres of a body that the camera sees: from head and shoulders to an adult in a coat."""
+"""Range of the visible area of a body, square metres: head and shoulders to an adult in a coat."""
 
 LIMB_AREA = 0.12
-"""Square metres of a part that hides its own connection to the body, as a hand held towards the
-camera does, at most."""
+"""The largest area of a loose limb, square metres: a part that hides its own connection to the
+body, as a hand that is held towards the camera."""
 
 LIMB_PIXELS = 10
-"""Such a part's pixels at least; fewer are noise."""
+"""The fewest pixels of a loose limb; fewer are noise."""
 
 LIMB_CONTACT = 0.12
-"""The share of such a part's outline at least that meets the body in the image."""
+"""The least fraction of the outline of a loose limb that is in contact with the body."""
 
-SHADOW_SHARE = 20
-"""It meets it across a gap as far as the image's width by this number: the shadow, without depth,
-that a hand half a metre before the body casts for a Kinect."""
+SHADOW_DIVISOR = 20
+"""Contact bridges a gap up to the width of the image divided by this: the shadow without depth
+that a Kinect has beside a hand half a metre in front of the body."""
 
 LIMB_FRONT = 0.9
 LIMB_BACK = 0.15
-"""How far, in metres, such a part may be before and behind the body, on average."""
+"""The largest mean distance of a loose limb in front of and behind the body, metres."""
 
 
 class Blobs(NamedTuple):
-    """Pixels that hang together.
+    """Connected parts of a depth image.
 
     Attributes:
         numbers: the blob of each pixel, -1 for none, shape (H, W), int32.
-        pixels: of each blob, shape (B,), int64.
-        area: of each blob in square metres as if it faced the camera, shape (B,), float64.
-        depth: of each blob, the mean in metres, shape (B,), float64.
-        low: the least x, y, z of each blob in metres, shape (B, 3), float64.
+        pixels: number of pixels of each blob, shape (B,), int64.
+        area: of each blob, square metres as if it faced the camera, shape (B,), float64.
+        depth: mean depth of each blob, metres, shape (B,), float64.
+        low: the least x, y, z of each blob, metres, shape (B, 3), float64.
         high: the greatest, shape (B, 3), float64.
     """
 
@@ -95,25 +95,25 @@ class Blobs(NamedTuple):
 def find_blobs(depth: NDArray[np.float32], camera: Intrinsics) -> Blobs:
     """Return the blobs of a depth image.
 
-    Two pixels of a row or a column hang together if their depths are close (STEP, SLOPE) and
-    there is at most a short gap of pixels without depth between them (GAP_SHARE); or if a surface
-    goes on behind something narrow (HIDDEN_WIDTH, HIDDEN_STEP).
+    Two pixels of a row or a column are connected if their depths are close (STEP, SLOPE) and
+    there is at most a short gap of pixels without depth between them (GAP_DIVISOR), or if a
+    surface continues behind a narrow part (HIDDEN_WIDTH, HIDDEN_STEP).
 
     Args:
-        depth: metres, 0 where the sensor saw nothing, BARRIER for what belongs to no blob, (H, W).
+        depth: metres, 0 if unknown, BARRIER for pixels that belong to no blob, shape (H, W).
         camera: the intrinsics.
     """
-    numbers, count = connect(depth, gap_of(depth.shape[1]), camera)
+    numbers, count = connect_pixels(depth, gap_of(depth.shape[1]), camera)
     return measure(depth, numbers, count, camera)
 
 
 def gap_of(width: int) -> int:
-    """Return how far apart, in pixels, two pixels may be with nothing but gaps between them."""
-    return 1 + width // GAP_SHARE
+    """Return the largest distance, in pixels, of two connected pixels across a gap."""
+    return 1 + width // GAP_DIVISOR
 
 
 def body_sized(blobs: Blobs) -> NDArray[np.int64]:
-    """Return which blobs have the size of a body, ascending."""
+    """Return the indices of the blobs of the size of a body, ascending."""
     size = blobs.high - blobs.low
     longest = size.max(axis=1, initial=0.0)
     good = (longest >= LONGEST[0]) & (longest <= LONGEST[1]) & (size[:, 2] <= DEEPEST)
@@ -122,27 +122,29 @@ def body_sized(blobs: Blobs) -> NDArray[np.int64]:
 
 
 def label_bodies(blobs: Blobs, bodies: NDArray[np.int64]) -> NDArray[np.int32]:
-    """Return labels, shape (H, W), that number blobs 1, 2, ... and their loose limbs likewise.
+    """Return the body number of each pixel, NO_BODY for none, shape (H, W).
+
+    A loose limb has the number of its body.
 
     Args:
         blobs: all blobs.
-        bodies: which of them are bodies, in the order of their numbers.
+        bodies: indices of the blobs that become the bodies 1, 2, ...
     """
     labels_of_blobs = np.full(len(blobs.area) + 1, NO_BODY, np.int32)  # the last is for -1
     labels_of_blobs[bodies] = np.arange(1, len(bodies) + 1)
     if len(bodies):
         _add_limbs(blobs, bodies, labels_of_blobs)
-    return paint(blobs.numbers, labels_of_blobs)
+    return labels_of_pixels(blobs.numbers, labels_of_blobs)
 
 
 def _add_limbs(
     blobs: Blobs, bodies: NDArray[np.int64], labels_of_blobs: NDArray[np.int32]
 ) -> None:
-    """Give the body's label to parts before it that touch it in the image but not in space."""
+    """Give the label of a body to its loose limbs: in contact in the image, but not in space."""
     ranks = np.full(len(blobs.area), -1, np.int32)
     ranks[bodies] = np.arange(len(bodies))
-    shadow = 1 + blobs.numbers.shape[1] // SHADOW_SHARE
-    outline, contact = touch(blobs.numbers, ranks, len(bodies), shadow)
+    shadow = 1 + blobs.numbers.shape[1] // SHADOW_DIVISOR
+    outline, contact = measure_contact(blobs.numbers, ranks, len(bodies), shadow)
     small = (blobs.area <= LIMB_AREA) & (blobs.pixels >= LIMB_PIXELS) & (ranks < 0)
     for limb in np.flatnonzero(small & (contact.max(axis=1) >= LIMB_CONTACT * outline)):
         rank = int(contact[limb].argmax())
@@ -152,7 +154,7 @@ def _add_limbs(
 
 
 @kernel
-def connect(
+def connect_pixels(
     depth: NDArray[np.float32], gap: int, camera: Intrinsics
 ) -> tuple[NDArray[np.int32], int]:
     """Return the blob of each pixel, shape (H, W), -1 for none, and the number of blobs.
@@ -160,16 +162,16 @@ def connect(
     Blobs are numbered in scan order of their first pixels.
 
     Args:
-        depth: metres, 0 for nothing, negative for a barrier, shape (H, W).
-        gap: how far apart, in pixels, two pixels of a row or column may be if there is nothing
-            but pixels without depth between them.
+        depth: metres, 0 if unknown, negative for a barrier, shape (H, W).
+        gap: largest distance, in pixels, of connected pixels of a row or column with only pixels
+            without depth between them.
         camera: the intrinsics.
     """
     height, width = depth.shape
     numbers = np.empty((height, width), np.int32)
     parents = np.empty(height * width, np.int32)
     count = 0
-    # Column by column, and for the row: where the last depth is, and what it may hide.
+    # The last pixel with depth, and the pixel that it may hide: of each column, and of the row.
     above, above_hidden = np.full(width, -1, np.int64), np.full(width, -1, np.int64)
     across, down = HIDDEN_WIDTH * camera.fx, HIDDEN_WIDTH * camera.fy
     for row in range(height):
@@ -181,14 +183,17 @@ def connect(
                 if here < 0:
                     left = left_hidden = above[column] = above_hidden[column] = -1
                 continue
-            # Where there is none, -1 reads some pixel or other, which then does not count.
-            depths = here, depth[row, left], depth[row, left_hidden]
-            place = column, left, left_hidden
-            joined, left_hidden = _follow(place, depths, gap, across)
+            # The index -1 for none reads an arbitrary pixel, which is then ignored.
+            before, behind = depth[row, left], depth[row, left_hidden]
+            joined, left_hidden = _follow(
+                column, left, left_hidden, here, before, behind, gap, across
+            )
             number = numbers[row, joined] if joined >= 0 else -1
-            place = row, above[column], above_hidden[column]
-            depths = here, depth[place[1], column], depth[place[2], column]
-            joined, above_hidden[column] = _follow(place, depths, gap, down)
+            last, hidden = above[column], above_hidden[column]
+            before, behind = depth[last, column], depth[hidden, column]
+            joined, above_hidden[column] = _follow(
+                row, last, hidden, here, before, behind, gap, down
+            )
             if joined >= 0:
                 other = numbers[joined, column]
                 if number < 0:
@@ -207,21 +212,29 @@ def connect(
 
 @kernel
 def _follow(
-    place: tuple[int, int, int], depths: tuple[float, float, float], gap: int, reach: float
+    index: int,
+    last: int,
+    hidden: int,
+    here: float,
+    before: float,
+    behind: float,
+    gap: int,
+    reach: float,
 ) -> tuple[int, int]:
-    """Return with which earlier pixel of its line a pixel hangs together, and what is hidden now.
+    """Return the earlier pixel of the line that a pixel is connected to, and the hidden pixel.
 
-    Both are -1 for none.
+    Both are -1 for none. A line is a row or a column.
 
     Args:
-        place: in its row or column, where the pixel is, where the last one with a depth is, and
-            where the surface stopped that this last one may hide.
-        depths: of these three, metres.
-        gap: as for `connect`.
+        index: index of the pixel in its line.
+        last: the last pixel with a depth.
+        hidden: the end of the surface that may continue behind `last`.
+        here: depth of the pixel, metres.
+        before: depth at `last`, metres.
+        behind: depth at `hidden`, metres.
+        gap: as `connect_pixels`.
         reach: how far a hidden surface is followed, in pixels at a depth of one metre.
     """
-    index, last, hidden = place
-    here, before, behind = depths
     if last < 0:
         return -1, -1
     if abs(here - before) <= STEP + SLOPE * min(here, before):
@@ -244,7 +257,7 @@ def _root(parents: NDArray[np.int32], number: int) -> int:
 
 @kernel
 def _join(parents: NDArray[np.int32], first: int, second: int) -> int:
-    """Join two sets and return their root, the one that was made first."""
+    """Join two sets and return their root, the older one."""
     first, second = _root(parents, first), _root(parents, second)
     root = min(first, second)
     parents[first] = parents[second] = root
@@ -253,13 +266,13 @@ def _join(parents: NDArray[np.int32], first: int, second: int) -> int:
 
 @kernel
 def _renumber(numbers: NDArray[np.int32], parents: NDArray[np.int32]) -> int:
-    """Let `numbers`, shape (H, W), be those of the sets without holes; return how many."""
+    """Renumber the sets in `numbers`, shape (H, W), consecutively; return how many there are."""
     count = 0
     for number in range(len(parents)):
         if parents[number] == number:
             parents[number] = count
             count += 1
-        else:  # a parent comes before its children, and has its final number already
+        else:  # a parent precedes its children, so it has its final number
             parents[number] = parents[parents[number]]
     flat = numbers.reshape(-1)
     for index in range(len(flat)):
@@ -274,12 +287,12 @@ def measure(
 ) -> Blobs:
     """Return the blobs with their sizes.
 
-    A pixel that faces the camera at depth z shows z^2 / (fx fy) square metres.
+    A pixel at depth z has an area of z^2 / (fx fy) square metres, as if it faced the camera.
 
     Args:
         depth: metres, shape (H, W).
         numbers: the blob of each pixel, -1 for none, shape (H, W).
-        count: how many blobs there are.
+        count: number of blobs.
         camera: the intrinsics.
     """
     pixels = np.zeros(count, np.int64)
@@ -320,18 +333,19 @@ def measure(
 
 
 @kernel
-def touch(
+def measure_contact(
     numbers: NDArray[np.int32], ranks: NDArray[np.int32], bodies: int, gap: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return how long the blobs' outlines are, and how much of them meets each body.
+    """Return the lengths of the outlines of the blobs, and of their contacts with each body.
 
-    Both in sides of pixels. An outline has no sides along the image's edge. It meets a body where
-    the next pixel with a blob, at most `gap` pixels away in that row or column, is the body's.
+    Both are in sides of pixels. The edge of the image is no outline. A side is in contact with a
+    body if the next pixel with a blob, at most `gap` pixels away in the row or column, belongs to
+    the body.
 
     Args:
         numbers: the blob of each pixel, -1 for none, shape (H, W).
-        ranks: of each blob, which body it is, -1 if none, shape (B,).
-        bodies: how many bodies there are.
+        ranks: index of the body of each blob, -1 for none, shape (B,).
+        bodies: number of bodies.
         gap: pixels.
 
     Returns:
@@ -379,12 +393,14 @@ def _add_contact(
 
 
 @kernel
-def paint(numbers: NDArray[np.int32], labels_of_blobs: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Return the label of each pixel's blob, shape (H, W).
+def labels_of_pixels(
+    numbers: NDArray[np.int32], labels_of_blobs: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """Return the label of the blob of each pixel, shape (H, W).
 
     Args:
         numbers: the blob of each pixel, -1 for none, shape (H, W).
-        labels_of_blobs: of each blob, and at the end of no blob, shape (B + 1,).
+        labels_of_blobs: label of each blob, and finally of no blob, shape (B + 1,).
     """
     labels = np.empty(numbers.shape, np.int32)
     for row in range(numbers.shape[0]):

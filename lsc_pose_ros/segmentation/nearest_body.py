@@ -13,48 +13,48 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The body nearest to the camera, for users who have no mask."""
+"""Finds the body nearest to the camera, for depth images without masks."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.segmentation.background_planes import room_planes, without_planes
+from lsc_pose_ros.segmentation.background_planes import find_background_planes, remove_planes
 from lsc_pose_ros.segmentation.blobs import body_sized, find_blobs, label_bodies
 
 
 class NearestBody:
-    """Takes the nearest blob that has the size of a body.
+    """Finds the nearest blob of the size of a body.
 
-    Floor, walls and ceiling are found as large planes with nothing behind them and are taken
-    away, so that feet on the floor or a hand on the wall do not join the body to the room. What
-    is left falls into blobs, connected in space; the nearest of those that have the size of a
-    body is body 1. A piece of furniture of that size, nearer than the person, is taken for one.
+    Floor, walls and ceiling are found as large planes with nothing behind them, and removed, so
+    that feet on the floor or a hand on the wall do not connect the body to the room. The other
+    pixels form blobs that are connected in space. The nearest blob of the size of a body is body
+    1. Furniture of this size in front of the person is mistaken for a body.
     """
 
     ready = True
 
     def __init__(self, range_min: float, range_max: float) -> None:
-        """Prepare.
+        """Store the range.
 
         Args:
-            range_min: metres; what is nearer is no body.
-            range_max: metres; what is farther is no body.
+            range_min: metres; nearer pixels are no body.
+            range_max: metres; farther pixels are no body.
         """
         self._range = range_min, range_max
 
     def learn(self, stamp: int, depth: NDArray[np.float32]) -> None:
-        """Learn nothing: each image stands for itself."""
+        """Do nothing: images are independent."""
 
     def labels(self, depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.int32]:
-        """Return 1 where the nearest body is, NO_BODY elsewhere, shape (H, W).
+        """Return 1 at the pixels of the nearest body, else NO_BODY, shape (H, W).
 
         Args:
-            depth: metres, 0 where the sensor saw nothing, shape (H, W).
+            depth: metres, 0 if unknown, shape (H, W).
             camera: the intrinsics.
         """
         nearest, farthest = self._range
-        planes = room_planes(depth, camera)
-        blobs = find_blobs(without_planes(depth, planes, camera, nearest, farthest), camera)
+        planes = find_background_planes(depth, camera)
+        blobs = find_blobs(remove_planes(depth, planes, camera, nearest, farthest), camera)
         bodies = body_sized(blobs)
         return label_bodies(blobs, bodies[np.argsort(blobs.depth[bodies], kind='stable')][:1])

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Bodies in a depth image that comes without a mask."""
+"""Finds the bodies in depth images without masks."""
 
 from typing import Protocol
 
@@ -28,29 +28,34 @@ from lsc_pose_ros.settings.table import MASK, NEAREST, SEGMENTATIONS, Segmentati
 
 
 class Segmenter(Protocol):
-    """Finds the bodies in depth images that come one after the other."""
+    """Finds the bodies in a sequence of depth images."""
 
     @property
     def ready(self) -> bool:
-        """Whether it has learnt what it needs; before that it finds nobody."""
+        """Whether learning has finished; before that no body is found."""
 
     def learn(self, stamp: int, depth: NDArray[np.float32]) -> None:
-        """Look at a depth image, metres, shape (H, W), of `stamp` nanoseconds, before `labels`."""
-
-    def labels(self, depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.int32]:
-        """Return the number of the body that each pixel shows, NO_BODY for none, shape (H, W).
+        """Learn from a depth image, before `labels` is called with it.
 
         Args:
-            depth: metres, 0 where the sensor saw nothing, shape (H, W).
+            stamp: nanoseconds.
+            depth: metres, 0 if unknown, shape (H, W).
+        """
+
+    def labels(self, depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.int32]:
+        """Return the body number of each pixel, NO_BODY for none, shape (H, W).
+
+        Args:
+            depth: metres, 0 if unknown, shape (H, W).
             camera: the intrinsics.
         """
 
 
 def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:
-    """Return the segmenter that `settings` ask for, None where masks come with the images.
+    """Return the segmenter that `settings` choose, or None if masks are given.
 
     Raises:
-        InputError: there is no such segmentation, or the range is empty.
+        InputError: the segmentation is unknown, or the range is empty.
     """
     if settings.segmentation not in SEGMENTATIONS:
         msg = (
@@ -75,12 +80,12 @@ def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:
 def segment(
     segmenter: Segmenter, stamp: int, depth: NDArray[np.float32], camera: Intrinsics
 ) -> NDArray[np.int32]:
-    """Return the labels, shape (H, W), that `segmenter` gives to the next depth image.
+    """Return the body number of each pixel of the next depth image, shape (H, W).
 
     Args:
-        segmenter: the one that has seen the images before.
+        segmenter: the segmenter of the images before.
         stamp: nanoseconds.
-        depth: metres, 0 where the sensor saw nothing, shape (H, W).
+        depth: metres, 0 if unknown, shape (H, W).
         camera: the intrinsics.
     """
     segmenter.learn(stamp, depth)

@@ -13,11 +13,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The One-Euro filter: steady where a joint rests, quick where it moves.
+"""The One-Euro filter: smooth if a joint rests, fast if it moves.
 
 Casiez, Roussel, Vogel: "1 € Filter: a simple speed-based low-pass filter for noisy input in
-interactive systems", CHI 2012. Here the filtered values are points in space, so the speed is a
-point's own, whatever the direction.
+interactive systems", CHI 2012. The filtered values are points in space, so the cutoff depends on
+the speed of a point in any direction.
 """
 
 from typing import NamedTuple
@@ -30,18 +30,18 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 # Cutoff of the low-pass filter over the velocity (the paper's dcutoff), Hz.
 VELOCITY_CUTOFF = 1.0
 
-# What was seen longer ago than this says nothing about now, nanoseconds.
+# A joint or body that was not seen for longer than this starts again unfiltered, nanoseconds.
 MEMORY_NS = 500_000_000
 
 _SECOND_NS = 1_000_000_000
 
 
 class OneEuroSettings(NamedTuple):
-    """How much is smoothed.
+    """Parameters of the filter.
 
     Attributes:
-        cutoff: mincutoff, the cutoff frequency for a joint at rest, Hz; less is smoother.
-        beta: by how much the cutoff rises with a joint's speed, 1/m; more follows faster.
+        cutoff: mincutoff, the cutoff frequency of a joint at rest, Hz; lower is smoother.
+        beta: increase of the cutoff with the speed of a joint, 1/m; higher follows faster.
     """
 
     cutoff: float
@@ -49,13 +49,13 @@ class OneEuroSettings(NamedTuple):
 
 
 class OneEuroPoints:
-    """The filter for the joints of one body, each by itself."""
+    """The filter of the joints of one body; joints are independent."""
 
     def __init__(self, joints: int) -> None:
-        """Begin without a past.
+        """Start without history.
 
         Args:
-            joints: how many joints the body has.
+            joints: number of joints.
         """
         self._points = np.full((joints, 3), np.nan)
         self._velocity = np.zeros((joints, 3))
@@ -66,25 +66,25 @@ class OneEuroPoints:
     ) -> NDArray[np.float32]:
         """Return the smoothed points, shape (J, 3); algorithm 1 of the paper.
 
-        A joint that is unknown (NaN) stays so, and is smoothed again when it comes back soon. One
-        that was away for long begins anew. Where no time has passed since the last point, or
-        less than none, there is nothing to smooth by, and the point is returned as it came.
+        An unknown joint (NaN) stays unknown. Its history continues if it returns within MEMORY_NS,
+        otherwise it starts again. A point is returned unfiltered if its stamp is not after that of
+        the point before.
 
         Args:
-            stamp: nanoseconds; the steps between the stamps may differ.
+            stamp: nanoseconds; the intervals may vary.
             points: metres, NaN where unknown, shape (J, 3).
-            settings: how much is smoothed.
+            settings: parameters of the filter.
         """
         known = np.isfinite(points).all(axis=1)
         elapsed = stamp - self._stamps
-        going_on = known & (elapsed > 0) & (elapsed <= MEMORY_NS)
-        going_on &= np.isfinite(self._points).all(axis=1)
-        smooth = self._step(going_on, elapsed[going_on] / _SECOND_NS, points, settings)
-        # A point whose stamp is not after the last one's must not take its place.
-        fresh = known & ~going_on & ((elapsed > 0) | np.isnan(self._points[:, 0]))
+        continued = known & (elapsed > 0) & (elapsed <= MEMORY_NS)
+        continued &= np.isfinite(self._points).all(axis=1)
+        smooth = self._step(continued, elapsed[continued] / _SECOND_NS, points, settings)
+        # A point with an old stamp must not replace the last point.
+        fresh = known & ~continued & ((elapsed > 0) | np.isnan(self._points[:, 0]))
         self._points[fresh] = points[fresh]
         self._velocity[fresh] = 0
-        self._stamps[going_on | fresh] = stamp
+        self._stamps[continued | fresh] = stamp
         return smooth
 
     def _step(
@@ -110,20 +110,20 @@ class OneEuroPoints:
 
 
 class OneEuroBodies:
-    """The filter for all bodies, which may come and go."""
+    """The filters of all bodies, which may appear and disappear."""
 
     def __init__(self) -> None:
-        """Begin without a past."""
+        """Start without history."""
         self._bodies: dict[int, OneEuroPoints] = {}
         self._seen: dict[int, int] = {}
 
     def filter(self, stamp: int, skeletons: Skeletons, settings: OneEuroSettings) -> Skeletons:
-        """Return `skeletons` with smoothed positions; all else stays.
+        """Return `skeletons` with smoothed positions.
 
         Args:
             stamp: nanoseconds.
-            skeletons: the bodies of one frame, each with the number that it had before.
-            settings: how much is smoothed.
+            skeletons: the bodies of one frame, with numbers that persist from frame to frame.
+            settings: parameters of the filter.
         """
         for number in [each for each, last in self._seen.items() if stamp - last > MEMORY_NS]:
             del self._bodies[number], self._seen[number]
@@ -138,7 +138,7 @@ class OneEuroBodies:
 def _weight(
     seconds: NDArray[np.float64], cutoff: NDArray[np.float64] | float
 ) -> NDArray[np.float64]:
-    """Return the share of the new value in an exponential smoothing (eq. 2 and 3 of the paper)."""
+    """Return the weight of the new value in exponential smoothing (eq. 2 and 3 of the paper)."""
     period = 1 / (2 * np.pi * cutoff)
     weight: NDArray[np.float64] = 1 / (1 + period / seconds)
     return weight

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Bodies keep their numbers from frame to frame, whatever numbers the mask gives them."""
+"""Tracks bodies: their numbers persist from frame to frame, independent of the mask."""
 
 from typing import NamedTuple
 
@@ -22,23 +22,23 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
 
-# A body that has moved further since it was last seen is another one, metres. A person who walks
-# fast moves 0.4 m between two frames at 5 Hz; two people are seldom closer together.
+# The largest distance between a body and its last position, metres. A person who walks fast moves
+# 0.4 m between two frames at 5 Hz; two people are rarely closer than that.
 GATE = 0.5
 
-# How long a body that is not seen keeps its number, nanoseconds.
+# How long the number of an unseen body is kept, nanoseconds.
 MEMORY_NS = 1_000_000_000
 
 _LARGEST = int(np.iinfo(np.uint16).max)
 
 
 class _Track(NamedTuple):
-    """Where a body was seen last.
+    """The last observation of a body.
 
     Attributes:
-        stamp: when, nanoseconds.
-        label: the number that the mask gave it.
-        joints: its joints, metres, shape (J, 3); as far back as they were known.
+        stamp: nanoseconds.
+        label: its number in the mask.
+        joints: last known position of each joint, metres, NaN if never known, shape (J, 3).
     """
 
     stamp: int
@@ -47,14 +47,14 @@ class _Track(NamedTuple):
 
 
 class Tracker:
-    """Assigns the bodies of each frame to those of the frames before, the nearest first."""
+    """Assigns the bodies of each frame to those of earlier frames, the nearest pairs first."""
 
     def __init__(self, *, gate: float = GATE, memory_ns: int = MEMORY_NS) -> None:
-        """Begin without a past.
+        """Start without tracks.
 
         Args:
-            gate: how far a body can have moved since it was last seen, metres.
-            memory_ns: how long a body that is not seen keeps its number, nanoseconds.
+            gate: the largest distance between a body and its last position, metres.
+            memory_ns: how long the number of an unseen body is kept, nanoseconds.
         """
         self._gate = gate
         self._memory = memory_ns
@@ -62,17 +62,17 @@ class Tracker:
         self._largest = 0
 
     def follow(self, stamp: int, skeletons: Skeletons) -> Skeletons:
-        """Return `skeletons` with lasting numbers, in their order.
+        """Return `skeletons` with persistent body numbers, in ascending order.
 
-        A body that was not there before keeps the mask's number where no other body has it.
+        A new body keeps its number in the mask unless another body has that number.
 
         Args:
             stamp: nanoseconds.
-            skeletons: the bodies of one frame, numbered by its mask.
+            skeletons: the bodies of one frame, with the numbers of its mask.
         """
         self._forget(stamp)
         numbers = self._recognise(skeletons)
-        self._welcome(skeletons.bodies, numbers)
+        self._number_new_bodies(skeletons.bodies, numbers)
         for row, number in numbers.items():
             self._keep(number, _Track(stamp, int(skeletons.bodies[row]), skeletons.positions[row]))
         bodies = np.array([numbers[row] for row in range(len(numbers))], np.uint16)
@@ -90,12 +90,12 @@ class Tracker:
                 del self._tracks[number]
 
     def _recognise(self, skeletons: Skeletons) -> dict[int, int]:
-        """Return the numbers of the rows that show bodies of before."""
+        """Return the numbers of the rows that are known bodies."""
         numbers: dict[int, int] = {}
         for row, number in self._nearest_first(skeletons.positions):
             if row not in numbers and number not in numbers.values():
                 numbers[row] = number
-        # Too little is seen of some to know where they are; the mask's number must do.
+        # A body without known joints has no position; it is matched by its number in the mask.
         for row, label in enumerate(skeletons.bodies.tolist()):
             if row in numbers or np.isfinite(skeletons.positions[row]).any():
                 continue
@@ -106,7 +106,7 @@ class Tracker:
         return numbers
 
     def _nearest_first(self, positions: NDArray[np.float32]) -> list[tuple[int, int]]:
-        """Return the pairs (row, number) that may be one body, the nearest first."""
+        """Return the pairs (row, number) within the gate, the nearest first."""
         pairs = [
             (distance, row, number)
             for row, joints in enumerate(positions)
@@ -115,24 +115,24 @@ class Tracker:
         ]
         return [(row, number) for _, row, number in sorted(pairs)]
 
-    def _welcome(self, labels: NDArray[np.uint16], numbers: dict[int, int]) -> None:
-        """Add numbers for the rows that show new bodies."""
+    def _number_new_bodies(self, labels: NDArray[np.uint16], numbers: dict[int, int]) -> None:
+        """Add the numbers of the rows that are new bodies."""
         taken = {*self._tracks, *numbers.values()}
-        strangers = [row for row in range(len(labels)) if row not in numbers]
-        for row in strangers:
+        new_rows = [row for row in range(len(labels)) if row not in numbers]
+        for row in new_rows:
             label = int(labels[row])
             if label not in taken:
                 numbers[row] = label
                 taken.add(label)
-        # Nor may a new number be one that the mask is about to use.
+        # A new number must differ from all numbers of the mask.
         taken.update(labels.tolist())
-        for row in strangers:
+        for row in new_rows:
             if row not in numbers:
                 numbers[row] = self._new_number(taken)
                 taken.add(numbers[row])
 
     def _new_number(self, taken: set[int]) -> int:
-        """Return a number that was never used, or if there is none, one that is not in use."""
+        """Return a number that was never used, or a free one if all were used."""
         unused = max(self._largest, *taken) + 1
         if unused <= _LARGEST:
             return unused
@@ -141,7 +141,7 @@ class Tracker:
     def _keep(self, number: int, track: _Track) -> None:
         before = self._tracks.get(number)
         if before is not None:
-            # What is hidden now was there a moment ago.
+            # A hidden joint keeps its last position.
             joints = np.where(np.isfinite(track.joints), track.joints, before.joints)
             track = track._replace(joints=joints)
         self._tracks[number] = track
@@ -149,13 +149,13 @@ class Tracker:
 
 
 def body_distance(first: NDArray[np.float32], second: NDArray[np.float32]) -> float:
-    """Return how far apart two skeletons are, metres.
+    """Return the mean distance of the joints of two skeletons, metres.
 
-    That is the mean distance of the joints that both have, or infinity where there is none.
+    Joints that are unknown in one of them do not count; without any other, it is infinity.
 
     Args:
-        first: metres, NaN where unknown, shape (J, 3).
-        second: likewise.
+        first: metres, NaN if unknown, shape (J, 3).
+        second: as `first`.
     """
     distances = np.linalg.norm(first - second, axis=1)
     known = distances[np.isfinite(distances)]

@@ -13,15 +13,16 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Learns which share of the votes means which confidence, from people the forest has not seen.
+"""Learns the confidence of a joint from its vote fraction, on people outside of the training.
 
-For each joint, the confidence at a share s is the probability that a joint which so many votes
-support lies within NEAR of the truth. It is estimated at evenly spaced shares (a person counts for
-the two that are closest, by linear weights), and it may only rise with s: the least-squares fit
-that does is found by pooling adjacent violators (Ayer et al., 1955).
+The vote fraction s of a joint is the fraction of its votes near the estimate. Its confidence is
+the probability that an estimate with this vote fraction lies within NEAR of the ground truth. It
+is estimated at evenly spaced knots; each person counts at the two closest knots with linear
+weights. Confidence must not decrease with s: the least-squares fit with this constraint is found
+by pooling adjacent violators (Ayer et al., 1955).
 
-A few people must not make a confidence 0 or 1, so each estimate begins with a prior. That of a
-joint is the same estimate over all joints together; that of all joints is one half.
+A prior keeps a few people from making a confidence 0 or 1. The prior of a joint is the estimate
+over all joints; the prior of that estimate is one half.
 """
 
 from collections.abc import Iterable
@@ -35,47 +36,47 @@ from lsc_pose_ros.pose.inference.confidence import KNOTS, NEAR, vote_fractions
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly
 from lsc_pose_ros.pose.stages import joint_stages, run_stages
-from lsc_pose_ros.training.samples import Person
+from lsc_pose_ros.training.samples import LabelledPerson
 
-# How many people a prior stands for, at each of the shares.
+# The weight of a prior at each knot, in people.
 _PRIOR = 0.2
 _PRIOR_OF_A_JOINT = 5.0
 
 
-class Evidence(NamedTuple):
-    """What came of P people who were held out.
+class CalibrationData(NamedTuple):
+    """The results of P held-out people.
 
     Attributes:
-        shares: which share of the votes supports each joint, shape (P, J).
-        near: 1 where the joint lies within NEAR of the truth, 0 where not, NaN where there is no
-            truth or no answer, shape (P, J).
+        fractions: the vote fraction of each joint, shape (P, J).
+        near: 1 if the joint lies within NEAR of the ground truth, 0 if not, NaN without ground
+            truth or estimate, shape (P, J).
     """
 
-    shares: NDArray[np.float32]
+    fractions: NDArray[np.float32]
     near: NDArray[np.float32]
 
 
-def calibrate(model: Model, people: Iterable[Person]) -> Model:
-    """Return `model` with a confidence that is right for `people`.
+def calibrate(model: Model, people: Iterable[LabelledPerson]) -> Model:
+    """Return `model` with confidences that are calibrated on `people`.
 
     Args:
-        model: the forest must not have seen them.
-        people: labelled; where there are none, the model stays as it is.
+        model: a model that was not trained on `people`.
+        people: labelled people; without any, `model` is returned unchanged.
     """
-    evidence = gather_evidence(model, people)
-    if not len(evidence.near):
+    data = gather_calibration_data(model, people)
+    if not len(data.near):
         return model
     return model._replace(
-        calibration=fit_calibration(evidence),
-        provenance=model.provenance | {'confidence learnt from': f'{len(evidence.near)} people'},
+        calibration=fit_calibration(data),
+        provenance=model.provenance | {'confidence learnt from': f'{len(data.near)} people'},
     )
 
 
-def gather_evidence(model: Model, people: Iterable[Person]) -> Evidence:
-    """Return how near to the truth `model` comes with `people`, and with how many votes."""
+def gather_calibration_data(model: Model, people: Iterable[LabelledPerson]) -> CalibrationData:
+    """Return the vote fractions of the joints of `people`, and whether `model` is near."""
     stages = joint_stages(model)
     settings = model.settings
-    shares: list[NDArray[np.float32]] = []
+    fractions: list[NDArray[np.float32]] = []
     near: list[NDArray[np.float32]] = []
     for person in people:
         queries = choose_uniformly(len(person.points), settings.query_points)
@@ -83,19 +84,19 @@ def gather_evidence(model: Model, people: Iterable[Person]) -> Evidence:
         body = BodyEstimate.from_descriptors(points, person.quantised[queries], person.scale)
         run_stages(stages, body)
         errors = np.linalg.norm(body.joints - person.joints * person.scale, axis=-1)
-        shares.append(vote_fractions(body.joint_votes, body.joints, settings.joint_bandwidth))
+        fractions.append(vote_fractions(body.joint_votes, body.joints, settings.joint_bandwidth))
         near.append(np.where(np.isnan(errors), np.nan, errors <= NEAR).astype(np.float32))
     shape = -1, len(model.joints)
-    return Evidence(
-        np.array(shares, np.float32).reshape(shape), np.array(near, np.float32).reshape(shape)
+    return CalibrationData(
+        np.array(fractions, np.float32).reshape(shape), np.array(near, np.float32).reshape(shape)
     )
 
 
-def fit_calibration(evidence: Evidence) -> NDArray[np.float32]:
-    """Return the confidence in each joint at KNOTS shares from 0 to 1, shape (J, KNOTS)."""
+def fit_calibration(data: CalibrationData) -> NDArray[np.float32]:
+    """Return the confidence of each joint at KNOTS vote fractions from 0 to 1, (J, KNOTS)."""
     counts = [
-        _count(shares[~np.isnan(near)], near[~np.isnan(near)])
-        for shares, near in zip(evidence.shares.T, evidence.near.T, strict=True)
+        _count(fractions[~np.isnan(near)], near[~np.isnan(near)])
+        for fractions, near in zip(data.fractions.T, data.near.T, strict=True)
     ]
     all_people, all_near = np.sum(counts, axis=0)
     together = _fit(all_people, all_near, _PRIOR, np.full(KNOTS, 0.5))
@@ -104,12 +105,12 @@ def fit_calibration(evidence: Evidence) -> NDArray[np.float32]:
 
 
 def _count(
-    shares: NDArray[np.float32], near: NDArray[np.float32]
+    fractions: NDArray[np.float32], near: NDArray[np.float32]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return how many people each knot stands for, and how many of them are near, (KNOTS,)."""
-    places = np.clip(shares, 0, 1) * (KNOTS - 1)
-    knots = np.minimum(places.astype(np.int64), KNOTS - 2)
-    parts = places - knots
+    """Return the number of people at each knot, and of those that are near, (KNOTS,)."""
+    positions = np.clip(fractions, 0, 1) * (KNOTS - 1)
+    knots = np.minimum(positions.astype(np.int64), KNOTS - 2)
+    parts = positions - knots
     people = np.zeros(KNOTS)
     hits = np.zeros(KNOTS)
     for knot, part in ((knots, 1 - parts), (knots + 1, parts)):
@@ -131,13 +132,13 @@ def _fit(
 def pool_adjacent_violators(
     values: NDArray[np.float64], weights: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the rising sequence with the least weighted squared distance to `values`.
+    """Return the non-decreasing sequence with the least weighted squared distance to `values`.
+
+    Neighbours that decrease are replaced by their weighted mean until none do.
 
     Args:
         values: shape (n,).
-        weights: above 0, shape (n,).
-
-    Neighbours that fall are replaced with their weighted mean until none do.
+        weights: positive, shape (n,).
     """
     means: list[float] = []
     totals: list[float] = []

@@ -13,10 +13,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How good a split is: the spread of the joints' offsets, or the paper's entropy (eq. 8 to 10).
+"""The cost of a split: the spread of the joints' offsets, or the paper's entropy (eq. 8 to 10).
 
-Either looks, for each sample, at a few numbers about the joints near it, its evidence. They add
-up, so that a set of samples is judged by the sums over it.
+Both are computed from a few numbers for each sample and joint in reach, the joint statistics.
+These are additive: the cost of a set of samples follows from their sums.
 """
 
 import math
@@ -33,42 +33,42 @@ SPREAD = 'spread'
 ENTROPY = 'entropy'
 
 CRITERIA = (SPREAD, ENTROPY)
-"""What splits can be chosen by: `spread` finds limb ends better, `entropy` is the paper's."""
+"""The criteria of splits: `spread` finds limb ends better, `entropy` is the paper's."""
 
-# How many numbers each criterion keeps for a joint: w and w o, or p.
+# Numbers of the spread for each joint: w and w o. The entropy has one: p.
 _MOMENTS = 4
 
 
-class Evidence(NamedTuple):
-    """What S samples say of the joints in their reach, sample after sample.
+class JointStatistics(NamedTuple):
+    """Statistics of S samples about the joints in their reach, ordered by sample.
 
     Attributes:
-        start: the evidence of sample s is start[s] to start[s + 1], shape (S + 1,).
-        joint: which joint, shape (n,).
-        value: of the spread: a weight w and w times the offset, shape (n, 4); of the entropy: the
-            joint's contribution, shape (n, 1).
-        nothing: what no sample says: zeros for each joint, shape (J, 4) or (J, 1).
+        start: sample s has the entries start[s] to start[s + 1], shape (S + 1,).
+        joint: the joint index of each entry, shape (n,).
+        value: for the spread a weight w and w times the offset, shape (n, 4); for the entropy the
+            contribution of the joint, shape (n, 1).
+        zeros: the sums over no sample, shape (J, 4) or (J, 1).
     """
 
     start: NDArray[np.int64]
     joint: NDArray[np.uint8]
     value: NDArray[np.float32]
-    nothing: NDArray[np.float32]
+    zeros: NDArray[np.float32]
 
 
 @kernel
 def contributions(
     points: NDArray[np.float32], person: NDArray[np.int32], joints: NDArray[np.float32]
-) -> Evidence:
-    """Return p(x_j | p) of each sample, adding up to 1 over the joints (eq. 10).
+) -> JointStatistics:
+    """Return p(x_j | p) of each sample, normalised over the joints (eq. 10).
 
-    p(x_j | p) ~ exp(-||x_j - p||^2 / rho_bar^2) where ||x_j - p|| <= rho_bar, else 0; lengths are
-    in units of rho_bar. A point with no labelled joint in reach has no evidence.
+    p(x_j | p) ~ exp(-||x_j - p||^2 / rho_bar^2) if ||x_j - p|| <= rho_bar, else 0; lengths are in
+    units of rho_bar. A point without a labelled joint in reach has no entries.
 
     Args:
-        points: shape (S, 3).
-        person: whose point it is, shape (S,).
-        joints: NaN where not labelled, shape (P, J, 3).
+        points: positions in units of rho_bar, shape (S, 3).
+        person: index of the person of each point, shape (S,).
+        joints: positions in units of rho_bar, NaN if not labelled, shape (P, J, 3).
     """
     start, joint = _in_reach(points, person, joints, 1.0)
     value = np.empty((joint.shape[0], 1), np.float32)
@@ -80,7 +80,7 @@ def contributions(
             total += value[n, 0]
         for n in range(start[s], start[s + 1]):
             value[n, 0] /= np.float32(total)
-    return Evidence(start, joint, value, np.zeros((joints.shape[1], 1), np.float32))
+    return JointStatistics(start, joint, value, np.zeros((joints.shape[1], 1), np.float32))
 
 
 @kernel
@@ -89,22 +89,22 @@ def offset_moments(
     person: NDArray[np.int32],
     joints: NDArray[np.float32],
     reach: float,
-) -> Evidence:
-    """Return (w, w o) of each sample and joint in reach: what the spread of offsets is made of.
+) -> JointStatistics:
+    """Return (w, w o) of each sample and joint in reach, the moments of the offsets' spread.
 
-    o = x_j - p, w = exp(-||o||^2 / reach^2) where ||o|| <= reach: a point speaks of what is near
-    it, as its votes do. Arguments as `contributions`; `reach` in units of rho_bar.
+    o = x_j - p, w = exp(-||o||^2 / reach^2) if ||o|| <= reach: near joints weigh more, as in the
+    votes. Arguments as `contributions`; `reach` in units of rho_bar.
     """
     start, joint = _in_reach(points, person, joints, reach)
     value = np.empty((joint.shape[0], _MOMENTS), np.float32)
     for s in range(points.shape[0]):
         for n in range(start[s], start[s + 1]):
-            place = joints[person[s], joint[n]]
-            weight = np.float32(math.exp(-squared_distance(place, points[s]) / (reach * reach)))
+            position = joints[person[s], joint[n]]
+            weight = np.float32(math.exp(-squared_distance(position, points[s]) / (reach * reach)))
             value[n, 0] = weight
             for axis in range(3):
-                value[n, 1 + axis] = weight * (place[axis] - points[s, axis])
-    return Evidence(start, joint, value, np.zeros((joints.shape[1], _MOMENTS), np.float32))
+                value[n, 1 + axis] = weight * (position[axis] - points[s, axis])
+    return JointStatistics(start, joint, value, np.zeros((joints.shape[1], _MOMENTS), np.float32))
 
 
 @kernel
@@ -131,44 +131,47 @@ def _in_reach(
 
 
 @kernel
-def evidence_of(evidence: Evidence, members: NDArray[np.int32]) -> Evidence:
-    """Return the evidence of some samples, in their order: what a node reads again and again."""
+def select_statistics(statistics: JointStatistics, members: NDArray[np.int32]) -> JointStatistics:
+    """Return the statistics of `members`, sample indices, in their order.
+
+    A node reads them many times, so they are copied into contiguous memory.
+    """
     start = np.zeros(members.shape[0] + 1, np.int64)
     for m in range(members.shape[0]):
         s = members[m]
-        start[m + 1] = start[m] + evidence.start[s + 1] - evidence.start[s]
+        start[m + 1] = start[m] + statistics.start[s + 1] - statistics.start[s]
     joint = np.empty(start[-1], np.uint8)
-    value = np.empty((start[-1], evidence.value.shape[1]), np.float32)
+    value = np.empty((start[-1], statistics.value.shape[1]), np.float32)
     for m in range(members.shape[0]):
-        first = evidence.start[members[m]]
+        first = statistics.start[members[m]]
         for k in range(start[m + 1] - start[m]):
-            joint[start[m] + k] = evidence.joint[first + k]
+            joint[start[m] + k] = statistics.joint[first + k]
             for c in range(value.shape[1]):
-                value[start[m] + k, c] = evidence.value[first + k, c]
-    return Evidence(start, joint, value, evidence.nothing)
+                value[start[m] + k, c] = statistics.value[first + k, c]
+    return JointStatistics(start, joint, value, statistics.zeros)
 
 
 @kernel
-def add_up(sums: NDArray[np.float32], evidence: Evidence, sample: int) -> None:
-    """Add the evidence of one sample to `sums`, shape (J, numbers a joint)."""
-    for n in range(evidence.start[sample], evidence.start[sample + 1]):
-        joint = evidence.joint[n]
-        if sums.shape[1] == _MOMENTS:  # spelt out, for speed
-            sums[joint, 0] += evidence.value[n, 0]
-            sums[joint, 1] += evidence.value[n, 1]
-            sums[joint, 2] += evidence.value[n, 2]
-            sums[joint, 3] += evidence.value[n, 3]
+def add_statistics(sums: NDArray[np.float32], statistics: JointStatistics, sample: int) -> None:
+    """Add the statistics of one sample to `sums`, shape (J, 4) or (J, 1)."""
+    for n in range(statistics.start[sample], statistics.start[sample + 1]):
+        joint = statistics.joint[n]
+        if sums.shape[1] == _MOMENTS:  # unrolled for speed
+            sums[joint, 0] += statistics.value[n, 0]
+            sums[joint, 1] += statistics.value[n, 1]
+            sums[joint, 2] += statistics.value[n, 2]
+            sums[joint, 3] += statistics.value[n, 3]
         else:
-            sums[joint, 0] += evidence.value[n, 0]
+            sums[joint, 0] += statistics.value[n, 0]
 
 
 @kernel
 def cost_of(sums: NDArray[np.float32], count: int) -> np.float32:
-    """Return what a set costs of which the evidence adds up to `sums`; the less, the better.
+    """Return the cost of a set of samples; a good split has low costs on both sides.
 
     Args:
-        sums: shape (J, numbers a joint).
-        count: |S|, how many samples the set has.
+        sums: the summed statistics of the set, shape (J, 4) or (J, 1).
+        count: |S|, the number of samples.
     """
     if sums.shape[1] == _MOMENTS:
         return _spread(sums)
@@ -179,8 +182,8 @@ def cost_of(sums: NDArray[np.float32], count: int) -> np.float32:
 def _spread(sums: NDArray[np.float32]) -> np.float32:
     """Return -sum over j of ||sum w o||^2 / sum w.
 
-    The weighted squared distance of the offsets from their means, sum over j of
-    sum w ||o - mean_j||^2, is this and sum w ||o||^2, which no split changes.
+    The spread, sum over j of sum w ||o - mean_j||^2, is this plus sum w ||o||^2, which is the same
+    for all splits.
     """
     total = np.float32(0)
     for j in range(sums.shape[0]):
@@ -195,7 +198,7 @@ def _spread(sums: NDArray[np.float32]) -> np.float32:
 def _entropy_times_count(sums: NDArray[np.float32], count: int) -> np.float32:
     """Return |S| H(S) = -sum over j of s_j log2(s_j / |S|), s_j the sums of contributions (eq. 9).
 
-    The unit is the bit: it is compared with its like only. To 2e-5 |S|.
+    The unit is the bit, and the error is below 2e-5 |S|. It is compared only with other entropies.
     """
     bits = sums.view(np.int32)
     total, weight = np.float32(0), np.float32(0)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a leaf remembers: the largest clusters of its samples' offsets (eq. 11, 12)."""
+"""Fits the votes of the leaves: the largest clusters of their samples' offsets (eq. 11, 12)."""
 
 from typing import NamedTuple
 
@@ -29,19 +29,19 @@ from lsc_pose_ros.training.tree_growth import Tree
 
 
 class LeafSettings(NamedTuple):
-    """Which samples speak for a joint or a pair, and how they are clustered.
+    """How leaf votes are fitted.
 
     Attributes:
-        joint_reach: a sample votes for a joint no farther than this, in units of rho_bar.
+        joint_reach: a sample votes for a joint within this distance, in units of rho_bar.
         joint_fraction: a cluster of offsets to a joint is kept if it has at least this fraction
             of the samples of its leaf.
-        pair_reach: a sample votes for a pair when one of its joints is no farther than this.
+        pair_reach: a sample votes for a pair if one of its joints is within this distance.
         pair_fraction: a cluster of pair offsets is kept if it has at least this fraction of the
-            samples of its leaf; smaller ones mislead more than they help, and cost time.
-        bandwidth: of the mean-shift over offsets, in units of rho_bar.
-        clusters: K, how many clusters a leaf keeps for each joint and each pair.
-        most_samples: at most so many offsets are clustered; more are thinned out evenly.
-        fewest_samples: a leaf with fewer offsets than this says nothing of the joint or pair.
+            samples of its leaf; smaller clusters make estimates worse and slower.
+        bandwidth: bandwidth of mean-shift over offsets, in units of rho_bar.
+        clusters: K, the number of clusters that a leaf keeps for each joint and each pair.
+        most_offsets: more offsets than this are thinned evenly before clustering.
+        fewest_offsets: a leaf with fewer offsets does not vote for the joint or pair.
     """
 
     joint_reach: float = 0.35
@@ -50,67 +50,72 @@ class LeafSettings(NamedTuple):
     pair_fraction: float = 0.8
     bandwidth: float = 0.1
     clusters: int = 2
-    most_samples: int = 100
-    fewest_samples: int = 3
+    most_offsets: int = 100
+    fewest_offsets: int = 3
 
 
 def fit_joint_votes(samples: Samples, tree: Tree, settings: LeafSettings) -> LeafVotes:
-    """Return the leaves' joint votes: offsets x_j - p in units of rho_bar (eq. 11)."""
+    """Return the joint votes of the leaves: offsets x_j - p in units of rho_bar (eq. 11)."""
     count = samples.joints.shape[1]
-    # For a joint, both ends of the "pair" are the joint itself, and offsets start at the point.
+    # A joint is a pair whose offsets start at the point itself (-1).
     pairs = np.stack([np.full(count, -1), np.arange(count)], axis=1)
-    wanted = _Wanted(pairs, settings.joint_reach, settings.joint_fraction)
-    return _fit(samples, tree, wanted, settings)
+    reach, fraction = settings.joint_reach, settings.joint_fraction
+    return _fit(samples, tree, pairs, reach, fraction, settings)
 
 
 def fit_pair_votes(
     samples: Samples, tree: Tree, edges: NDArray[np.int32], settings: LeafSettings
 ) -> LeafVotes:
-    """Return the leaves' pair votes: offsets x_child - x_parent in units of rho_bar (eq. 12).
+    """Return the pair votes of the leaves: x_child - x_parent in units of rho_bar (eq. 12).
 
     Args:
-        samples: what the tree was grown on.
+        samples: the samples that the tree was grown on.
         tree: the tree.
         edges: (parent, child) joint indices, shape (E, 2).
-        settings: reach and clustering.
+        settings: reach, bandwidth and numbers of clusters.
     """
-    wanted = _Wanted(edges.astype(np.int64), settings.pair_reach, settings.pair_fraction)
-    return _fit(samples, tree, wanted, settings)
+    pairs, reach, fraction = edges.astype(np.int64), settings.pair_reach, settings.pair_fraction
+    return _fit(samples, tree, pairs, reach, fraction, settings)
 
 
-class _Wanted(NamedTuple):
-    """What is voted for, shape (targets, 2), from how near, and from which share of a leaf on."""
-
-    pairs: NDArray[np.int64]
-    reach: float
-    share: float
-
-
-def _fit(samples: Samples, tree: Tree, wanted: _Wanted, settings: LeafSettings) -> LeafVotes:
+def _fit(
+    samples: Samples,
+    tree: Tree,
+    pairs: NDArray[np.int64],
+    reach: float,
+    fraction: float,
+    settings: LeafSettings,
+) -> LeafVotes:
+    """Return the votes for `pairs`, (parent or -1, child) joint indices, shape (targets, 2)."""
     offsets, weights = _fit_leaves(
-        (samples.points, samples.person, samples.joints),
-        (tree.order, tree.leaf_start),
-        wanted.pairs,
-        wanted.reach,
+        samples.points,
+        samples.person,
+        samples.joints,
+        tree.order,
+        tree.leaf_start,
+        pairs,
+        reach,
         settings,
     )
-    filled = (weights > 0) & (weights >= wanted.share)
+    filled = (weights > 0) & (weights >= fraction)
     start = np.zeros(len(weights) + 1, np.int32)
     start[1:] = np.cumsum(filled.sum(axis=(1, 2)))
-    targets = np.arange(len(wanted.pairs), dtype=np.uint8)
+    targets = np.arange(len(pairs), dtype=np.uint8)
     target = np.broadcast_to(targets[None, :, None], filled.shape)
     return LeafVotes(start, target[filled], offsets[filled], weights[filled])
 
 
 @parallel_kernel
 def _fit_leaves(
-    samples: tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32]],
-    leaves: tuple[NDArray[np.int32], NDArray[np.int64]],
+    points: NDArray[np.float32],
+    person: NDArray[np.int32],
+    joints: NDArray[np.float32],
+    order: NDArray[np.int32],
+    leaf_start: NDArray[np.int64],
     pairs: NDArray[np.int64],
     reach: float,
     settings: LeafSettings,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    order, leaf_start = leaves
     count = leaf_start.shape[0] - 1
     targets = pairs.shape[0]
     offsets = np.zeros((count, targets, settings.clusters, 3), np.float32)
@@ -118,25 +123,26 @@ def _fit_leaves(
     for leaf in numba.prange(count):
         members = order[leaf_start[leaf] : leaf_start[leaf + 1]]
         for pair in range(targets):
-            spoken = _offsets(samples, members, pairs[pair], reach)
-            if spoken.shape[0] < settings.fewest_samples:
+            voting = _offsets(points, person, joints, members, pairs[pair], reach)
+            if voting.shape[0] < settings.fewest_offsets:
                 continue
-            centres, sizes = largest_clusters(spoken, settings)
+            centres, sizes = largest_clusters(voting, settings)
             offsets[leaf, pair, : len(sizes)] = centres
-            # A share, not a count: a leaf that sorted its samples badly is large, not right.
+            # A fraction, not a count: a large leaf may be badly sorted.
             weights[leaf, pair, : len(sizes)] = sizes / np.float32(members.shape[0])
     return offsets, weights
 
 
 @kernel
 def _offsets(
-    samples: tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32]],
+    points: NDArray[np.float32],
+    person: NDArray[np.int32],
+    joints: NDArray[np.float32],
     members: NDArray[np.int32],
     pair: NDArray[np.int64],
     reach: float,
 ) -> NDArray[np.float32]:
-    """Return the offsets, (n, 3), of the members that may speak of (parent or -1, child)."""
-    points, person, joints = samples
+    """Return the offsets, (n, 3), of the members in reach of `pair`, (parent or -1, child)."""
     offsets = np.empty((members.shape[0], 3), np.float32)
     count = 0
     for sample in members:
@@ -159,14 +165,14 @@ def largest_clusters(
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the centres, (k, 3), and sizes, (k,), of the k <= K largest mean-shift clusters.
 
-    Every offset climbs the density of all; those that arrive within half a bandwidth of each other
-    are one cluster. Its size is the number of offsets that it stands for.
+    Mean-shift moves each offset to a mode of the density of all offsets. Offsets whose modes are
+    within half a bandwidth are one cluster. The size is the number of its offsets.
 
     Args:
         offsets: in units of rho_bar, shape (n, 3).
-        settings: bandwidth, K, and how many offsets are clustered at most.
+        settings: bandwidth, K and `most_offsets`.
     """
-    step = max(1, -(-offsets.shape[0] // settings.most_samples))
+    step = max(1, -(-offsets.shape[0] // settings.most_offsets))
     thinned = offsets[::step].copy()
     x, y, z = thinned.T.copy()
     cloud = VoteCloud(x, y, z, np.ones(thinned.shape[0], np.float32))
@@ -184,5 +190,5 @@ def largest_clusters(
             found += 1
         sizes[k] += 1
     largest = np.argsort(-sizes[:found], kind='mergesort')[: settings.clusters]
-    # Thinning must not make a well-filled leaf speak more softly.
+    # Thinning must not reduce the weight of a large leaf.
     return centres[largest], sizes[largest] * np.float32(offsets.shape[0] / thinned.shape[0])

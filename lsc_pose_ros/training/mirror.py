@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Mirrored frames: the same people with left and right exchanged, for training."""
+"""Mirrors frames for training: left and right of the people are exchanged."""
 
 from collections.abc import Iterable, Iterator
 
@@ -29,14 +29,14 @@ _OTHER_SIDE = {'l': 'r', 'r': 'l'}
 
 
 def with_mirrored(frames: Iterable[Frame]) -> Iterator[Frame]:
-    """Yield each frame, and after it its mirror image."""
+    """Yield each frame and its mirror image."""
     for frame in frames:
         yield frame
         yield mirrored(frame)
 
 
 def mirrored(frame: Frame) -> Frame:
-    """Return `frame` as a mirror shows it: what was the left hand is now a right hand."""
+    """Return the mirror image of `frame`; the left hand becomes the right hand."""
     camera, width = frame.camera, frame.depth.shape[1]
     return frame._replace(
         depth=np.ascontiguousarray(frame.depth[:, ::-1]),
@@ -61,7 +61,7 @@ def _mirrored_skeletons(skeletons: Skeletons) -> Skeletons:
 
 
 def _other_side(joints: NDArray[np.uint16]) -> NDArray[np.uint16]:
-    """Return the number of the joint that each of `joints` is in the mirror, shape (J,)."""
+    """Return the joint number of each of `joints` in the mirror image, shape (J,)."""
     names = [JOINT_NAMES[number] for number in joints]
     other = [_OTHER_SIDE.get(name[0], '') + name[1:] if name[1] == '_' else name for name in names]
     return np.array([JOINT_NUMBERS[name] for name in other], np.uint16)

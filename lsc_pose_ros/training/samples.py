@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Training samples: silhouette points with their descriptors and the joints around them."""
+"""Training samples: silhouette points, their descriptors, and the joints of their bodies."""
 
 import itertools
 from collections.abc import Iterable, Iterator
@@ -31,14 +31,14 @@ from lsc_pose_ros.pose.stages import describe_body
 
 
 class Samples(NamedTuple):
-    """S silhouette points of P labelled people, one person after the other.
+    """S silhouette points of P labelled people, ordered by person.
 
     Attributes:
-        quantised: quantised descriptors, shape (F, S): a split reads one bin of many points. Rows
-            that are to be filled later may follow.
-        points: metres, divided by the person's rho_bar, shape (S, 3).
-        person: whose point it is, shape (S,).
-        joints: the people's joints, divided by their rho_bar, NaN where not labelled, (P, J, 3).
+        quantised: quantised descriptors, shape (F, S), so that a split reads one contiguous row.
+            Spare rows may follow.
+        points: positions in units of the person's rho_bar, shape (S, 3).
+        person: index of the person of each point, shape (S,).
+        joints: positions in units of the person's rho_bar, NaN if not labelled, shape (P, J, 3).
         scale: rho_bar of each person, metres, shape (P,).
     """
 
@@ -49,8 +49,15 @@ class Samples(NamedTuple):
     scale: NDArray[np.float32]
 
 
-class Person(NamedTuple):
-    """What one labelled person gives to training: as in Samples, for one."""
+class LabelledPerson(NamedTuple):
+    """The training samples of one person.
+
+    Attributes:
+        quantised: quantised descriptors, shape (N, F).
+        points: positions in units of rho_bar, shape (N, 3).
+        joints: positions in units of rho_bar, NaN if not labelled, shape (J, 3).
+        scale: rho_bar, metres.
+    """
 
     quantised: NDArray[np.uint8]
     points: NDArray[np.float32]
@@ -59,7 +66,12 @@ class Person(NamedTuple):
 
 
 def select_joints(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> NDArray[np.float32]:
-    """Return the positions of `joints`, NaN where `ground_truth` has no such joint, (B, J, 3)."""
+    """Return the positions of some joints, metres, shape (B, J, 3).
+
+    Args:
+        ground_truth: the skeletons of B bodies.
+        joints: joint numbers, shape (J,); those that `ground_truth` does not have become NaN.
+    """
     selected = np.full((len(ground_truth.bodies), len(joints), 3), np.nan, np.float32)
     columns = {int(number): column for column, number in enumerate(ground_truth.joints)}
     for j, number in enumerate(joints):
@@ -68,118 +80,123 @@ def select_joints(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> NDArra
     return selected
 
 
-def people_in(frame: Frame, joints: NDArray[np.uint16], settings: Settings) -> Iterator[Person]:
-    """Yield the labelled people of `frame` that can be seen.
+def labelled_people_in(
+    frame: Frame, joints: NDArray[np.uint16], settings: Settings
+) -> Iterator[LabelledPerson]:
+    """Yield the visible labelled people of `frame`.
 
     Args:
-        frame: a frame with truth.
-        joints: the joints to learn, shape (J,).
-        settings: how silhouettes and descriptors are computed.
+        frame: a frame; without ground truth it yields nobody.
+        joints: numbers of the joints to learn, shape (J,).
+        settings: the settings of silhouette and descriptor; all `points` become samples.
     """
     if frame.ground_truth is None:
         return
-    places = select_joints(frame.ground_truth, joints)
-    everyone = settings._replace(query_points=settings.points)
+    positions = select_joints(frame.ground_truth, joints)
+    all_points = settings._replace(query_points=settings.points)
     visible = set(bodies_in(frame.labels).tolist())
     for row, body in enumerate(frame.ground_truth.bodies.tolist()):
-        if body not in visible or np.isnan(places[row]).all():
+        if body not in visible or np.isnan(positions[row]).all():
             continue
-        described = describe_body(frame.depth, frame.labels, frame.camera, body, everyone)
+        described = describe_body(frame.depth, frame.labels, frame.camera, body, all_points)
         if described is not None:
             scale = np.float32(described.scale)
-            yield Person(
+            yield LabelledPerson(
                 described.quantised,
                 described.points / scale,
-                places[row] / scale,
+                positions[row] / scale,
                 described.scale,
             )
 
 
 def labelled_people(
     frames: Iterable[Frame], joints: NDArray[np.uint16], settings: Settings
-) -> Iterator[Person]:
-    """Yield the labelled people of all `frames`; the other arguments as `people_in`."""
+) -> Iterator[LabelledPerson]:
+    """Yield the labelled people of all `frames`; other arguments as `labelled_people_in`."""
     for frame in frames:
-        yield from people_in(frame, joints, settings)
+        yield from labelled_people_in(frame, joints, settings)
 
 
-def most_samples(memory: float, joints: int, size: int) -> int:
-    """Return how many samples training can hold in `memory` bytes.
+def sample_limit(memory: float, joints: int, size: int) -> int:
+    """Return the number of samples that fit into `memory`.
+
+    A sample needs its descriptor, its point and person index, its joint statistics twice while a
+    node is split, its index in the order of samples twice, and memory for leaf votes.
 
     Args:
-        memory: bytes.
-        joints: J, how many joints are learnt.
-        size: F, how many numbers describe a point.
-
-    A sample needs its descriptor, point and person, its evidence twice while a node is split, its
-    place in the order twice, and its share of the leaves' votes; the interpreter and the compiled
-    kernels need the rest.
+        memory: memory of the process, bytes.
+        joints: J, number of joints to learn.
+        size: F, length of a descriptor.
     """
-    evidence = 8 + _SHARE_IN_REACH * joints * (1 + 4 * 4)
-    for_sample = size + 16 + 2 * evidence + 2 * 4 + 120
-    return max(1, int((memory - _WITHOUT_SAMPLES) / for_sample))
+    statistics = 8 + _FRACTION_IN_REACH * joints * (1 + 4 * 4)
+    sample_bytes = size + 16 + 2 * statistics + 2 * 4 + 120
+    return max(1, int((memory - _BASE_BYTES) / sample_bytes))
 
 
-# Of how many joints a point has evidence: a fifth, in all views.
-_SHARE_IN_REACH = 0.25
+# A point has statistics of this fraction of the joints; a fifth was measured, in all views.
+_FRACTION_IN_REACH = 0.25
 
-# Bytes that a process takes which has imported everything and compiled all kernels.
-_WITHOUT_SAMPLES = 600e6
+# Memory of a process after all imports and compilations, bytes.
+_BASE_BYTES = 600e6
 
 
-def gather_samples(people: Iterable[Person], most: int | None = None) -> Samples:
-    """Return the samples of all `people`, at most `most` of them.
+def gather_samples(people: Iterable[LabelledPerson], limit: int | None = None) -> Samples:
+    """Return the samples of all `people`, at most `limit` of them.
 
-    Where there are more, every person keeps an even half of the points, or a quarter, and so on:
-    many people are worth more than many points of each.
+    If there are more, each person keeps every second of the points, or every fourth, and so on:
+    many people with few points train a better forest than few people with many points.
 
     Raises:
-        InputError: there is nobody to learn from.
+        InputError: `people` is empty.
     """
-    return split_samples(people, most, 0.0)[0]
+    return split_samples(people, limit, 0.0)[0]
 
 
 def split_samples(
-    people: Iterable[Person], most: int | None, share: float, spare: int = 0
-) -> tuple[Samples, list[Person]]:
-    """Return the samples of most `people`, and the people that are held out.
+    people: Iterable[LabelledPerson], limit: int | None, fraction: float, spare_rows: int = 0
+) -> tuple[Samples, list[LabelledPerson]]:
+    """Return training samples, and the people that are held out from them.
 
     Args:
-        people: as `gather_samples`.
-        most: as `gather_samples`, of both together.
-        share: which share of the people is held out.
-        spare: how many rows of the samples' levels are left free.
+        people: the labelled people, in the order of the recording.
+        limit: the largest number of samples, held-out people included; None for no limit.
+        fraction: the fraction of the people that is held out.
+        spare_rows: number of rows of zeros after the descriptors.
 
     Raises:
-        InputError: there is nobody to learn from.
+        InputError: nobody is left to train on.
     """
-    kept = _within(people, most)
-    held = hold_out(len(kept), share)
-    aside = [person for person, out in zip(kept, held, strict=True) if out]
-    kept = [person for person, out in zip(kept, held, strict=True) if not out]
-    return _join(kept, spare), aside
+    kept = _thin_to_limit(people, limit)
+    held_out = held_out_mask(len(kept), fraction)
+    test = [person for person, out in zip(kept, held_out, strict=True) if out]
+    kept = [person for person, out in zip(kept, held_out, strict=True) if not out]
+    return _join(kept, spare_rows), test
 
 
-def hold_out(count: int, share: float) -> NDArray[np.bool_]:
-    """Tell which of `count` people, in the order of their recording, are held out, (count,).
+def held_out_mask(count: int, fraction: float) -> NDArray[np.bool_]:
+    """Return which of `count` people are held out, shape (count,).
 
-    Neighbouring frames are nearly equal, so that only whole stretches tell what the forest makes
-    of what it has not seen; one stretch would be one person or one action. So it is the end of
-    each of ten equal parts. Of few people, none.
+    Neighbouring frames are nearly equal, so whole stretches of the recording are held out. A
+    single stretch would show one person or one action, so the end of each tenth is taken. With
+    few people none are held out.
+
+    Args:
+        count: number of people, in the order of the recording.
+        fraction: the fraction to hold out.
     """
     held = np.zeros(count, np.bool_)
-    edges = np.linspace(0, count, _STRETCHES + 1).astype(np.int64)
+    edges = np.linspace(0, count, _HELD_OUT_STRETCHES + 1).astype(np.int64)
     for start, end in itertools.pairwise(edges.tolist()):
-        held[end - round(share * (end - start)) : end] = True
+        held[end - round(fraction * (end - start)) : end] = True
     return held
 
 
-# Into how many stretches those who are held out are divided.
-_STRETCHES = 10
+# Number of stretches that are held out.
+_HELD_OUT_STRETCHES = 10
 
 
-def _join(kept: list[Person], spare: int) -> Samples:
-    """Return the samples of `kept`, which is emptied."""
+def _join(kept: list[LabelledPerson], spare_rows: int) -> Samples:
+    """Return the samples of `kept`, and empty that list."""
     if not kept:
         msg = (
             'no labelled person was found; training needs a recording with ground truth '
@@ -192,8 +209,8 @@ def _join(kept: list[Person], spare: int) -> Samples:
     joints = np.stack([person.joints for person in kept])
     scale = np.array([person.scale for person in kept], np.float32)
     size = kept[0].quantised.shape[1]
-    quantised = np.zeros((size + spare, ends[-1]), np.uint8)
-    # From the last to the first, each forgotten once it is copied: memory is not needed twice.
+    quantised = np.zeros((size + spare_rows, ends[-1]), np.uint8)
+    # Each person is released after copying, so that the samples are not in memory twice.
     for end in ends[::-1]:
         person = kept.pop()
         quantised[:size, end - len(person.points) : end] = person.quantised.T
@@ -202,23 +219,22 @@ def _join(kept: list[Person], spare: int) -> Samples:
     )
 
 
-def _within(people: Iterable[Person], most: int | None) -> list[Person]:
-    kept: list[Person] = []
+def _thin_to_limit(people: Iterable[LabelledPerson], limit: int | None) -> list[LabelledPerson]:
+    """Return `people` with at most `limit` points, but at least one of each."""
+    kept: list[LabelledPerson] = []
     stride, count = 1, 0
     for person in people:
         kept.append(_thinned(person, stride))
         count += len(kept[-1].points)
-        while most is not None and count > most and any(len(p.points) > 1 for p in kept):
+        while limit is not None and count > limit and any(len(p.points) > 1 for p in kept):
             stride *= 2
-            for n, each in enumerate(
-                kept
-            ):  # each forgotten at once, for there may be no more room
+            for n, each in enumerate(kept):  # one by one, to release memory
                 kept[n] = _thinned(each, 2)
             count = sum(len(each.points) for each in kept)
     return kept
 
 
-def _thinned(person: Person, stride: int) -> Person:
+def _thinned(person: LabelledPerson, stride: int) -> LabelledPerson:
     if stride == 1:
         return person
     return person._replace(

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Finds the best split of one node: which feature, which threshold (eq. 7, 8)."""
+"""Finds the best threshold of one feature, and splits a node there (eq. 7, 8)."""
 
 from typing import NamedTuple
 
@@ -21,18 +21,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.training.criterion import Evidence, add_up, cost_of
+from lsc_pose_ros.training.criterion import JointStatistics, add_statistics, cost_of
 
-LEVELS = 256
+QUANTISED_VALUES = 256
 
 
 class Split(NamedTuple):
-    """A split of a node; feature -1 where there is none.
+    """A split of a node; the feature is -1 for none.
 
     Attributes:
         feature: the bin of the descriptor that is compared.
-        threshold: a level below it goes left.
-        cost: of both sides together, as the criterion counts it.
+        threshold: samples with a quantised value below it go left.
+        cost: the sum of the costs of both sides.
     """
 
     feature: int
@@ -43,27 +43,31 @@ class Split(NamedTuple):
 @kernel
 def try_feature(
     quantised: NDArray[np.uint8],
-    evidence: Evidence,
+    statistics: JointStatistics,
     members: NDArray[np.int32],
     draws: NDArray[np.float64],
     leaf_samples: int,
 ) -> tuple[float, int]:
-    """Return the least cost of both sides together and its threshold, for one feature (eq. 8).
+    """Return the lowest cost of a split by one feature, and its threshold (eq. 8).
 
-    The evidence is summed by level once; every threshold then costs two sums over J.
+    The statistics are summed once for each quantised value; then each threshold costs two sums
+    over J.
 
     Args:
-        quantised: the feature's level in every sample, shape (S,).
-        evidence: of the members, in their order.
-        members: the node's samples, shape (n,).
-        draws: thresholds as shares of the members' range of levels, shape (thresholds,).
+        quantised: the quantised feature of all samples, shape (S,).
+        statistics: the statistics of the members, in their order.
+        members: the samples of the node, shape (n,).
+        draws: thresholds as fractions of the members' range of values, shape (thresholds,).
         leaf_samples: the fewest samples that a side may have.
+
+    Returns:
+        The cost, infinity if no split is allowed, and the threshold.
     """
     low, high = _range(quantised, members)
-    counts, sums = _sums_below(quantised, evidence, members, (low, high))
-    count, everything = members.shape[0], sums[-1]
-    rest = np.empty_like(everything)
-    # Levels that no sample has make different thresholds the same split.
+    counts, sums = _sums_below(quantised, statistics, members, low, high)
+    count, total = members.shape[0], sums[-1]
+    rest = np.empty_like(total)
+    # Thresholds with no sample between them are the same split, which is tried once.
     tried = np.zeros(count + 1, np.bool_)
     best, best_threshold = np.inf, 0
     for draw in draws:
@@ -77,7 +81,7 @@ def try_feature(
         left = sums[threshold - low - 1]
         for j in range(rest.shape[0]):
             for c in range(rest.shape[1]):
-                rest[j, c] = everything[j, c] - left[j, c]
+                rest[j, c] = total[j, c] - left[j, c]
         cost = float(cost_of(left, below)) + float(cost_of(rest, count - below))
         if cost < best:
             best, best_threshold = cost, threshold
@@ -86,8 +90,8 @@ def try_feature(
 
 @kernel
 def _range(quantised: NDArray[np.uint8], members: NDArray[np.int32]) -> tuple[int, int]:
-    """Return the lowest and the highest level of the members."""
-    low, high = LEVELS - 1, 0
+    """Return the lowest and the highest quantised value of the members."""
+    low, high = QUANTISED_VALUES - 1, 0
     for member in members:
         low = min(low, int(quantised[member]))
         high = max(high, int(quantised[member]))
@@ -97,34 +101,34 @@ def _range(quantised: NDArray[np.uint8], members: NDArray[np.int32]) -> tuple[in
 @kernel
 def _sums_below(
     quantised: NDArray[np.uint8],
-    evidence: Evidence,
+    statistics: JointStatistics,
     members: NDArray[np.int32],
-    span: tuple[int, int],
+    low: int,
+    high: int,
 ) -> tuple[NDArray[np.int64], NDArray[np.float32]]:
-    """Return how many members have at most each level of the span, and their evidence's sums."""
-    low, high = span
+    """Return the cumulated counts and statistics of the members for each value, low to high."""
     counts = np.zeros(high - low + 1, np.int64)
-    sums = np.zeros((high - low + 1, *evidence.nothing.shape), np.float32)
+    sums = np.zeros((high - low + 1, *statistics.zeros.shape), np.float32)
     for n in range(members.shape[0]):
-        level = quantised[members[n]] - low
-        counts[level] += 1
-        add_up(sums[level], evidence, n)
-    for level in range(1, high - low + 1):
-        counts[level] += counts[level - 1]
+        value = quantised[members[n]] - low
+        counts[value] += 1
+        add_statistics(sums[value], statistics, n)
+    for value in range(1, high - low + 1):
+        counts[value] += counts[value - 1]
         for j in range(sums.shape[1]):
             for c in range(sums.shape[2]):
-                sums[level, j, c] += sums[level - 1, j, c]
+                sums[value, j, c] += sums[value - 1, j, c]
     return counts, sums
 
 
 @kernel
 def partition(quantised: NDArray[np.uint8], members: NDArray[np.int32], threshold: int) -> int:
-    """Put the members below `threshold` first, in place, orders kept; return how many they are.
+    """Move the members below `threshold` to the front, stably and in place; return their number.
 
     Args:
-        quantised: the feature's level in every sample, shape (S,).
-        members: the node's samples, shape (n,).
-        threshold: the level at which the right side begins.
+        quantised: the quantised feature of all samples, shape (S,).
+        members: the samples of the node, shape (n,).
+        threshold: the lowest value of the right side.
     """
     right = np.empty_like(members)
     below, above = 0, 0

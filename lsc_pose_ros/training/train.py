@@ -29,12 +29,12 @@ from lsc_pose_ros.pose.forest.body_yaw import BODY_YAW_SIZE
 from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.settings import Settings
-from lsc_pose_ros.training.body_yaw_training import lines_across, tell_body_yaw
+from lsc_pose_ros.training.body_yaw_labels import left_right_columns, write_body_yaws
 from lsc_pose_ros.training.calibration import calibrate
 from lsc_pose_ros.training.criterion import (
     ENTROPY,
     SPREAD,
-    Evidence,
+    JointStatistics,
     contributions,
     offset_moments,
 )
@@ -43,7 +43,7 @@ from lsc_pose_ros.training.mirror import with_mirrored
 from lsc_pose_ros.training.samples import (
     Samples,
     labelled_people,
-    most_samples,
+    sample_limit,
     split_samples,
 )
 from lsc_pose_ros.training.tree_growth import GrowthSettings, Tree, grow_tree, join_trees
@@ -52,20 +52,21 @@ GIBIBYTE = 1 << 30
 
 
 class TrainingSettings(NamedTuple):
-    """All that decides what is trained.
+    """The settings of a training.
 
     Attributes:
-        joints: the numbers of the joints to learn, shape (J,).
-        settings: of silhouettes, descriptors and densities.
-        trees: how many trees.
-        growth: of each tree.
-        leaves: of the votes.
-        seed: of all that is drawn.
-        memory: how much training may take, bytes.
-        hold_out: which share of the people teaches confidence instead of the forest.
-        criterion: what splits are chosen by, one of CRITERIA.
-        criterion_reach: of the spread: up to where a point speaks of a joint, in units of rho_bar.
-        mirror: whether every frame is learned from a second time, in the mirror.
+        joints: numbers of the joints to learn, shape (J,).
+        settings: settings of silhouettes, descriptors and densities.
+        trees: number of trees.
+        growth: settings of each tree.
+        leaves: settings of the leaf votes.
+        seed: seed of all random numbers.
+        memory: memory that training may use, bytes.
+        hold_out: fraction of the people that calibrates the confidence instead of training.
+        criterion: criterion of splits, one of CRITERIA.
+        criterion_reach: the distance up to which a joint counts for the spread, in units of
+            rho_bar.
+        mirror: whether the mirror image of each frame is learnt, too.
     """
 
     joints: NDArray[np.uint16]
@@ -88,33 +89,33 @@ def train(
     frames: Iterable[Frame],
     training: TrainingSettings,
     provenance: dict[str, str],
-    tell: Progress = lambda _step: None,
+    progress: Progress = lambda _step: None,
 ) -> Model:
-    """Return a model trained on every labelled person in `frames`.
+    """Return a model trained on all labelled people in `frames`.
 
     Args:
-        frames: with truth; those without are passed over.
-        training: what to train.
-        provenance: kept in the model, for people to read.
-        tell: is told each step as it begins.
+        frames: labelled frames; frames without ground truth are skipped.
+        training: the settings.
+        provenance: stored in the model, as information for its users.
+        progress: called with a description of each step as it begins.
 
     Raises:
-        InputError: nobody labelled is seen, a joint is labelled nowhere, or facings cannot be
-            learnt without others.
+        InputError: no labelled person is visible, a joint is never labelled, or the joints that
+            define the body yaw are missing.
     """
     if training.settings.body_yaws:
-        lines_across(training.joints)  # to complain now, not when all frames are read
-    tell('reading frames')
+        left_right_columns(training.joints)  # fails now instead of after all frames are read
+    progress('reading frames')
     if training.mirror:
         frames = with_mirrored(frames)
     people = labelled_people(frames, training.joints, training.settings)
     spare = BODY_YAW_SIZE if training.settings.body_yaws else 0
     size = feature_size(training.settings) + spare
-    most = most_samples(training.memory, len(training.joints), size)
-    samples, held_out = split_samples(people, most, training.hold_out, spare)
-    model = train_on(samples, training, provenance, tell)
+    limit = sample_limit(training.memory, len(training.joints), size)
+    samples, held_out = split_samples(people, limit, training.hold_out, spare)
+    model = train_on(samples, training, provenance, progress)
     if held_out:
-        tell(f'learning confidence from the {len(held_out)} people that were held out')
+        progress(f'calibrating the confidence on {len(held_out)} held-out people')
     return calibrate(model, held_out)
 
 
@@ -122,28 +123,35 @@ def train_on(
     samples: Samples,
     training: TrainingSettings,
     provenance: dict[str, str],
-    tell: Progress = lambda _step: None,
+    progress: Progress = lambda _step: None,
 ) -> Model:
-    """Return a model trained on `samples`; the other arguments as `train`.
+    """Return a model trained on `samples`.
 
-    Where the settings have facings, the last FACING_SIZE rows of the samples' levels are free, and
-    are filled.
+    Args:
+        samples: if the settings have body yaws, the last BODY_YAW_SIZE rows of `quantised` are
+            spare, and are filled.
+        training: the settings.
+        provenance: as `train`.
+        progress: as `train`.
+
+    Raises:
+        InputError: as `train`.
     """
     _check_labels(samples, training)
     growth = training.growth
     if training.settings.body_yaws:
-        tell_body_yaw(samples, training.joints, training.seed)
+        write_body_yaws(samples, training.joints, training.seed)
         growth = growth._replace(always=BODY_YAW_SIZE)
     edges = default_edges(training.joints)
-    evidence = evidence_in(samples, training)
+    statistics = joint_statistics(samples, training)
     trees: list[Tree] = []
     joint_votes: list[LeafVotes] = []
     pair_votes: list[LeafVotes] = []
     for number in range(training.trees):
-        tell(f'growing tree {number + 1} of {training.trees}')
+        progress(f'growing tree {number + 1} of {training.trees}')
         rng = np.random.default_rng((training.seed, number))
-        tree = grow_tree(samples.quantised, evidence, growth, rng)
-        tell(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
+        tree = grow_tree(samples.quantised, statistics, growth, rng)
+        progress(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
         trees.append(tree)
         joint_votes.append(fit_joint_votes(samples, tree, training.leaves))
         pair_votes.append(fit_pair_votes(samples, tree, edges, training.leaves))
@@ -157,12 +165,12 @@ def train_on(
     )
 
 
-def evidence_in(samples: Samples, training: TrainingSettings) -> Evidence:
-    """Return what the samples say of the joints, for the criterion that splits are chosen by."""
-    places = (samples.points, samples.person, samples.joints)
+def joint_statistics(samples: Samples, training: TrainingSettings) -> JointStatistics:
+    """Return the statistics that the criterion of `training` needs."""
+    positions = (samples.points, samples.person, samples.joints)
     if training.criterion == ENTROPY:
-        return contributions(*places)
-    return offset_moments(*places, training.criterion_reach)
+        return contributions(*positions)
+    return offset_moments(*positions, training.criterion_reach)
 
 
 def _check_labels(samples: Samples, training: TrainingSettings) -> None:
@@ -176,12 +184,12 @@ def _check_labels(samples: Samples, training: TrainingSettings) -> None:
 
 
 def limb_lengths(samples: Samples, edges: NDArray[np.int32]) -> NDArray[np.float32]:
-    """Return the mean length of each edge over the people, metres, shape (E,): h_ij of eq. 15.
+    """Return the mean length of each edge over all people, metres, shape (E,): h_ij of eq. 15.
 
-    An edge that is nowhere labelled at both ends takes the mean of the others.
+    An edge without a person with both ends labelled gets the mean of the others, or 0.3 m.
     """
-    places = samples.joints * samples.scale[:, None, None]
-    limbs = np.linalg.norm(places[:, edges[:, 1]] - places[:, edges[:, 0]], axis=-1)
+    positions = samples.joints * samples.scale[:, None, None]
+    limbs = np.linalg.norm(positions[:, edges[:, 1]] - positions[:, edges[:, 0]], axis=-1)
     counts = (~np.isnan(limbs)).sum(axis=0)
     lengths: NDArray[np.float32] = np.nansum(limbs, axis=0, dtype=np.float32)
     lengths /= np.maximum(counts, 1).astype(np.float32)
@@ -190,7 +198,7 @@ def limb_lengths(samples: Samples, edges: NDArray[np.int32]) -> NDArray[np.float
 
 
 def join_votes(parts: list[LeafVotes]) -> LeafVotes:
-    """Return the votes of several trees' leaves as those of one list of leaves."""
+    """Return the leaf votes of several trees as one, with leaves numbered consecutively."""
     offsets = np.cumsum([0, *(len(votes.target) for votes in parts)])
     starts = [votes.start[:-1] + offsets[t] for t, votes in enumerate(parts)]
     return LeafVotes(

@@ -13,14 +13,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Grows one tree, first its large nodes one by one, then what is below them side by side.
+"""Grows one tree: large nodes one after the other, then the branches below them in parallel.
 
-At a large node all cores look for the split, a feature each. A small node is too little work for
-that; there each core grows a whole branch.
+At a large node all cores search for the split, one feature each. A small node is too little work
+for that, so each core grows a whole branch.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -28,32 +28,25 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel, parallel_kernel
 from lsc_pose_ros.pose.forest.forest import TreeNodes
-from lsc_pose_ros.training.criterion import Evidence, evidence_of
+from lsc_pose_ros.training.criterion import JointStatistics, select_statistics
 from lsc_pose_ros.training.splitter import Split, partition, try_feature
 
 # A node with fewer samples than this is the root of a branch.
 BRANCH_SAMPLES = 20_000
 
-
-# Evidence as a plain tuple: numba's parallel loops take no named one of different arrays.
-_Parts: TypeAlias = tuple[
-    NDArray[np.int64], NDArray[np.uint8], NDArray[np.float32], NDArray[np.float32]
-]
-
-
-def _parts_of(evidence: Evidence) -> _Parts:
-    return evidence.start, evidence.joint, evidence.value, evidence.nothing
+# The parallel kernels take the arrays of JointStatistics one by one, because numba's parallel
+# loops do not accept a named tuple of different arrays.
 
 
 class GrowthSettings(NamedTuple):
-    """When a tree stops and how hard it looks for a split.
+    """The limits of a tree, and the number of splits that are tried.
 
     Attributes:
-        depth: how many splits a point passes at most.
-        leaf_samples: the fewest samples a leaf may have.
-        features: how many random features are tried at a node.
-        thresholds: how many random thresholds are tried for each feature.
-        always: the last so many features are tried at every node, beside the random ones.
+        depth: the largest number of splits from the root to a leaf.
+        leaf_samples: the fewest samples of a leaf.
+        features: number of random features that are tried at a node.
+        thresholds: number of random thresholds that are tried for each feature.
+        always: number of features, the last ones, that are tried at each node in addition.
     """
 
     depth: int = 24
@@ -64,11 +57,11 @@ class GrowthSettings(NamedTuple):
 
 
 class Tree(NamedTuple):
-    """One tree, its nodes as in Forest; leaves are numbered from 0.
+    """One tree with nodes as in Forest; leaves are numbered from 0.
 
     Attributes:
         feature, threshold, left: as in Forest, shape (nodes,).
-        order: the samples, leaf after leaf, shape (S,).
+        order: the sample indices, ordered by leaf, shape (S,).
         leaf_start: the samples of leaf l are order[leaf_start[l] : leaf_start[l + 1]].
     """
 
@@ -80,7 +73,7 @@ class Tree(NamedTuple):
 
 
 class Nodes(NamedTuple):
-    """Nodes while a tree grows: as in Tree, but a leaf's `left` is where its samples start."""
+    """Nodes of a growing tree: as in Tree, but `left` of a leaf is the start of its samples."""
 
     feature: NDArray[np.int16]
     threshold: NDArray[np.uint8]
@@ -88,14 +81,14 @@ class Nodes(NamedTuple):
 
 
 class Branches(NamedTuple):
-    """Nodes that are grown side by side.
+    """B branches that are grown in parallel.
 
     Attributes:
-        node: the branch's root in the tree, shape (B,).
-        start, end: which of the ordered samples it has, shape (B,).
-        depth: how many splits lie above, shape (B,).
-        seed: of what it draws, shape (B,).
-        room: its nodes have the places from room[b] to room[b + 1], shape (B + 1,).
+        node: the node of the trunk that is the root of the branch, shape (B,).
+        start, end: the range of its samples in their order, shape (B,).
+        depth: number of splits above the root, shape (B,).
+        seed: seed of its random numbers, shape (B,).
+        first_node: branch b has the nodes first_node[b] to first_node[b + 1], shape (B + 1,).
     """
 
     node: NDArray[np.int64]
@@ -103,12 +96,12 @@ class Branches(NamedTuple):
     end: NDArray[np.int64]
     depth: NDArray[np.int64]
     seed: NDArray[np.int64]
-    room: NDArray[np.int64]
+    first_node: NDArray[np.int64]
 
 
 def grow_tree(
     quantised: NDArray[np.uint8],
-    evidence: Evidence,
+    statistics: JointStatistics,
     settings: GrowthSettings,
     rng: np.random.Generator,
 ) -> Tree:
@@ -116,30 +109,39 @@ def grow_tree(
 
     Args:
         quantised: quantised descriptors, shape (F, S).
-        evidence: what the samples say of the joints, which the criterion judges splits by.
-        settings: when to stop.
+        statistics: the statistics from which the criterion computes the cost of a split.
+        settings: limits of the tree.
         rng: draws features and thresholds.
     """
     order = np.arange(quantised.shape[1], dtype=np.int32)
-    trunk, branches = _grow_trunk(quantised, evidence, order, settings, rng)
+    trunk, branches = _grow_trunk(quantised, statistics, order, settings, rng)
     grown = Nodes(
-        np.full(branches.room[-1], -1, np.int16),
-        np.zeros(branches.room[-1], np.uint8),
-        np.zeros(branches.room[-1], np.int64),
+        np.full(branches.first_node[-1], -1, np.int16),
+        np.zeros(branches.first_node[-1], np.uint8),
+        np.zeros(branches.first_node[-1], np.int64),
     )
-    samples = (quantised, order)
-    sizes = _grow_branches(samples, _parts_of(evidence), branches, grown, settings)
-    return _graft(trunk, branches, (sizes, grown), order)
+    sizes = _grow_branches(
+        quantised,
+        order,
+        statistics.start,
+        statistics.joint,
+        statistics.value,
+        statistics.zeros,
+        branches,
+        grown,
+        settings,
+    )
+    return _graft(trunk, branches, sizes, grown, order)
 
 
 def _grow_trunk(
     quantised: NDArray[np.uint8],
-    evidence: Evidence,
+    statistics: JointStatistics,
     order: NDArray[np.int32],
     settings: GrowthSettings,
     rng: np.random.Generator,
 ) -> tuple[Nodes, Branches]:
-    """Split the large nodes; return them and the roots of the branches, which are leaves here."""
+    """Split the large nodes; return them, and the branches, whose roots are the leaves here."""
     feature: list[int] = [-1]
     threshold: list[int] = [0]
     left: list[int] = [0]
@@ -149,7 +151,7 @@ def _grow_trunk(
         node, start, end, depth = waiting.pop()
         split = Split(-1, 0, np.inf)
         if end - start >= BRANCH_SAMPLES and depth < settings.depth:
-            split = find_split(quantised, evidence, order[start:end], settings, rng)
+            split = find_split(quantised, statistics, order[start:end], settings, rng)
         if split.feature < 0:
             branches.append((node, start, end, depth))
             continue
@@ -165,28 +167,43 @@ def _grow_trunk(
     )
     node_of, starts, ends, depths = np.array(branches, np.int64).T.copy()
     seeds = rng.integers(0, 2**31, len(branches))
-    room = np.concatenate([[0], np.cumsum(2 * ((ends - starts) // settings.leaf_samples) + 1)])
-    return trunk, Branches(node_of, starts, ends, depths, seeds, room)
+    first_node = np.concatenate(
+        [[0], np.cumsum(2 * ((ends - starts) // settings.leaf_samples) + 1)]
+    )
+    return trunk, Branches(node_of, starts, ends, depths, seeds, first_node)
 
 
 def find_split(
     quantised: NDArray[np.uint8],
-    evidence: Evidence,
+    statistics: JointStatistics,
     members: NDArray[np.int32],
     settings: GrowthSettings,
     rng: np.random.Generator,
 ) -> Split:
-    """Return the best of the random splits of the `members`, shape (n,), on all cores (eq. 8).
+    """Return the best of random splits of `members`, on all cores (eq. 8).
 
-    The other arguments as `grow_tree`.
+    Args:
+        quantised: quantised descriptors, shape (F, S).
+        statistics: the joint statistics of all samples.
+        members: the samples of the node, shape (n,).
+        settings: number of tries, and the fewest samples of a leaf.
+        rng: draws features and thresholds.
     """
     drawn = len(quantised) - settings.always
     features = rng.choice(drawn, min(settings.features, drawn), replace=False)
     features = np.concatenate([features, np.arange(drawn, len(quantised))])
     draws = rng.random((len(features), settings.thresholds))
-    parts = _parts_of(evidence_of(evidence, members))
+    own = select_statistics(statistics, members)
     costs, thresholds = _try_features(
-        quantised, parts, members, (features, draws), settings.leaf_samples
+        quantised,
+        own.start,
+        own.joint,
+        own.value,
+        own.zeros,
+        members,
+        features,
+        draws,
+        settings.leaf_samples,
     )
     best = int(np.argmin(costs))
     if not np.isfinite(costs[best]):
@@ -197,31 +214,43 @@ def find_split(
 @parallel_kernel
 def _try_features(
     quantised: NDArray[np.uint8],
-    parts: _Parts,
+    start: NDArray[np.int64],
+    joint: NDArray[np.uint8],
+    value: NDArray[np.float32],
+    zeros: NDArray[np.float32],
     members: NDArray[np.int32],
-    trials: tuple[NDArray[np.int64], NDArray[np.float64]],
+    features: NDArray[np.int64],
+    draws: NDArray[np.float64],
     leaf_samples: int,
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    features, draws = trials
+    """Return the lowest cost of each feature, and its threshold."""
     costs = np.full(features.shape[0], np.inf)
     thresholds = np.zeros(features.shape[0], np.int64)
     for f in numba.prange(features.shape[0]):
         costs[f], thresholds[f] = try_feature(
-            quantised[features[f]], Evidence(*parts), members, draws[f], leaf_samples
+            quantised[features[f]],
+            JointStatistics(start, joint, value, zeros),
+            members,
+            draws[f],
+            leaf_samples,
         )
     return costs, thresholds
 
 
 @parallel_kernel
 def _grow_branches(
-    samples: tuple[NDArray[np.uint8], NDArray[np.int32]],
-    parts: _Parts,
+    quantised: NDArray[np.uint8],
+    order: NDArray[np.int32],
+    start: NDArray[np.int64],
+    joint: NDArray[np.uint8],
+    value: NDArray[np.float32],
+    zeros: NDArray[np.float32],
     branches: Branches,
     grown: Nodes,
     settings: GrowthSettings,
 ) -> NDArray[np.int64]:
-    """Grow each branch into its own stretch of `grown`; return how many nodes each has."""
-    first = branches.room
+    """Grow each branch into its own range of `grown`; return their numbers of nodes."""
+    first = branches.first_node
     sizes = np.zeros(branches.node.shape[0], np.int64)
     for b in numba.prange(branches.node.shape[0]):
         nodes = Nodes(
@@ -229,26 +258,48 @@ def _grow_branches(
             grown.threshold[first[b] : first[b + 1]],
             grown.left[first[b] : first[b + 1]],
         )
-        # The generator is the thread's own, and a branch is grown by one thread.
-        np.random.seed(branches.seed[b])  # noqa: NPY002 - the generator that kernels have
-        span = branches.start[b], branches.end[b], branches.depth[b]
-        sizes[b] = _grow_branch(samples, Evidence(*parts), span, (nodes, settings))
+        # Each thread has its own generator, and one thread grows the whole branch.
+        np.random.seed(branches.seed[b])  # noqa: NPY002 - the only generator in kernels
+        sizes[b] = _grow_branch(
+            quantised,
+            order,
+            JointStatistics(start, joint, value, zeros),
+            branches.start[b],
+            branches.end[b],
+            branches.depth[b],
+            nodes,
+            settings,
+        )
     return sizes
 
 
 @kernel
 def _grow_branch(
-    samples: tuple[NDArray[np.uint8], NDArray[np.int32]],
-    evidence: Evidence,
-    span: tuple[int, int, int],
-    growing: tuple[Nodes, GrowthSettings],
+    quantised: NDArray[np.uint8],
+    order: NDArray[np.int32],
+    statistics: JointStatistics,
+    first: int,
+    last: int,
+    above: int,
+    nodes: Nodes,
+    settings: GrowthSettings,
 ) -> int:
-    quantised, order = samples
-    nodes, settings = growing
-    # Node, start, end, depth; the stack never holds more than a sibling a level.
+    """Grow one branch into `nodes`; return its number of nodes.
+
+    Args:
+        quantised: quantised descriptors, shape (F, S).
+        order: the sample indices; those of the branch are sorted by leaf.
+        statistics: the joint statistics of all samples.
+        first: the start of the branch in `order`.
+        last: its end.
+        above: number of splits above the root of the branch.
+        nodes: receives the nodes.
+        settings: limits of the tree.
+    """
+    # Node, start, end, depth; the stack has at most one sibling for each depth.
     waiting = np.empty((settings.depth + 2, 4), np.int64)
     waiting[0, 0] = 0
-    waiting[0, 1], waiting[0, 2], waiting[0, 3] = span
+    waiting[0, 1], waiting[0, 2], waiting[0, 3] = first, last, above
     height, used = 1, 1
     while height > 0:
         height -= 1
@@ -256,7 +307,9 @@ def _grow_branch(
         members = order[start:end]
         split = Split(-1, 0, np.inf)
         if depth < settings.depth and end - start >= 2 * settings.leaf_samples:
-            split = _draw_split(quantised, evidence_of(evidence, members), members, settings)
+            split = _draw_split(
+                quantised, select_statistics(statistics, members), members, settings
+            )
         if split.feature < 0:
             nodes.left[node] = start
             continue
@@ -274,11 +327,11 @@ def _grow_branch(
 @kernel
 def _draw_split(
     quantised: NDArray[np.uint8],
-    evidence: Evidence,
+    statistics: JointStatistics,
     members: NDArray[np.int32],
     settings: GrowthSettings,
 ) -> Split:
-    """Return the best of random splits; as `find_split`, on one core."""
+    """Return the best of random splits, as `find_split`, on one core."""
     best = Split(-1, 0, np.inf)
     size = quantised.shape[0] - settings.always
     drawn = np.zeros(size, np.bool_)
@@ -292,7 +345,7 @@ def _draw_split(
             drawn[feature] = True
         draws = np.random.random(settings.thresholds)  # noqa: NPY002
         cost, threshold = try_feature(
-            quantised[feature], evidence, members, draws, settings.leaf_samples
+            quantised[feature], statistics, members, draws, settings.leaf_samples
         )
         if cost < best.cost:
             best = Split(feature, threshold, cost)
@@ -302,17 +355,25 @@ def _draw_split(
 def _graft(
     trunk: Nodes,
     branches: Branches,
-    grown: tuple[NDArray[np.int64], Nodes],
+    sizes: NDArray[np.int64],
+    nodes: Nodes,
     order: NDArray[np.int32],
 ) -> Tree:
-    """Return the trunk with the branches on it, leaves numbered in the order of their samples."""
-    sizes, nodes = grown
+    """Return trunk and branches as one tree, with leaves in the order of their samples.
+
+    Args:
+        trunk: the large nodes.
+        branches: the branches.
+        sizes: number of nodes of each branch, shape (B,).
+        nodes: the nodes of all branches.
+        order: the sample indices, ordered by leaf.
+    """
     parts = [trunk]
     used = len(trunk.feature)
     for b, (node, size) in enumerate(zip(branches.node, sizes, strict=True)):
-        own = slice(branches.room[b], branches.room[b] + size)
+        own = slice(branches.first_node[b], branches.first_node[b] + size)
         branch = Nodes(nodes.feature[own], nodes.threshold[own], nodes.left[own].copy())
-        # The branch's root takes the place of the trunk's leaf; its other nodes are put behind.
+        # The root of the branch replaces the leaf of the trunk; its other nodes are appended.
         branch.left[branch.feature >= 0] += used - 1
         trunk.feature[node] = branch.feature[0]
         trunk.threshold[node] = branch.threshold[0]
@@ -327,7 +388,7 @@ def _graft(
 
 
 def join_trees(trees: Sequence[Tree]) -> TreeNodes:
-    """Return the trees in one set of nodes, nodes and leaves renumbered one after the other."""
+    """Return the nodes of all trees as one, with nodes and leaves renumbered consecutively."""
     nodes = np.cumsum([0, *(len(tree.feature) for tree in trees)])
     leaves = np.cumsum([0, *(len(tree.leaf_start) - 1 for tree in trees)])
     left = [

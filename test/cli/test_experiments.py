@@ -21,7 +21,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
-from lsc_pose_experiments.paper import EXPERIMENTS, full_scope, quick_scope
+from lsc_pose_experiments.paper import EXPERIMENTS, full_defaults, quick_defaults
 from lsc_pose_experiments.publishing import Publisher
 from PIL import Image
 
@@ -34,9 +34,9 @@ NAMES = [
 ]  # fmt: skip
 
 
-@pytest.fixture(scope='module')
+@pytest.fixture(defaults='module')
 def recordings(people, tmp_path_factory):
-    """Two of the same kind of people."""
+    """Two recordings of similar people."""
     paths = []
     for name, frames in (('one', people[:60]), ('two', people[60:120])):
         paths.append(str(tmp_path_factory.mktemp('recordings') / f'{name}.mcap'))
@@ -50,9 +50,9 @@ def experiments(folder, recordings, *words):
     return main(['experiments', str(folder), '--recordings', *recordings, '--quick', *words])
 
 
-@pytest.fixture(scope='module')
+@pytest.fixture(defaults='module')
 def measured(recordings, tmp_path_factory):
-    """All experiments, measured quickly: the folder and the results."""
+    """The folder and the results of all experiments, with --quick."""
     folder = tmp_path_factory.mktemp('experiments') / 'out'
     path = folder.parent / 'results.json'
     assert experiments(folder, recordings, '--json', str(path)) == 0
@@ -60,7 +60,7 @@ def measured(recordings, tmp_path_factory):
 
 
 class Tags(HTMLParser):
-    """Collects a page's sections, pictures and links, and sees whether all tags are closed."""
+    """Collects sections, figures and links of a page, and checks that all tags are closed."""
 
     def __init__(self):
         super().__init__()
@@ -86,7 +86,7 @@ def read_page(folder):
     return text, tags
 
 
-def test_the_page_has_all_sections_and_their_files(measured):
+def test_page_has_all_sections_and_their_files(measured):
     folder, _ = measured
     text, tags = read_page(folder)
     assert tags.sections == list(EXPERIMENTS) == NAMES
@@ -102,7 +102,7 @@ def test_the_page_has_all_sections_and_their_files(measured):
     assert not list(folder.glob('.*'))
 
 
-def test_the_papers_numbers_stand_beside_ours(measured):
+def test_page_has_measured_numbers_and_those_of_the_paper(measured):
     folder, results = measured
     text, _ = read_page(folder)
     section = text[text.index('<section id="table2">') :].partition('</section>')[0]
@@ -116,10 +116,10 @@ def test_the_papers_numbers_stand_beside_ours(measured):
         line = re.search(rf'<td>{label}</td><td>all joints</td>.*', section).group()
         assert f'<td>{ours}</td><td class="paper">{paper}</td>' in line
         assert '<td class="paper">not in the text</td>' in line
-    assert re.search(r'<b>(holds|does not hold|cannot be told)</b>', section)
+    assert re.search(r'<b>(holds|does not hold|undecided)</b>', section)
 
 
-def test_csv_and_json_say_the_same(measured):
+def test_csv_and_json_have_the_same_numbers(measured):
     folder, results = measured
     for name, found in results['experiments'].items():
         with (folder / f'{name}.csv').open(newline='') as file:
@@ -131,7 +131,7 @@ def test_csv_and_json_say_the_same(measured):
         assert {claim['holds'] for claim in found['claims']} <= {True, False, None}
 
 
-def test_the_same_trial_has_the_same_numbers_everywhere(measured):
+def test_equal_trials_have_equal_numbers_everywhere(measured):
     _, results = measured
     means = {
         (name, row['variant']): row['ap']
@@ -155,14 +155,14 @@ def test_nothing_is_measured_twice(measured, recordings, monkeypatch):
     assert before == {path: path.stat().st_mtime_ns for path in (folder / 'trials').iterdir()}
 
 
-def test_one_figure_can_be_measured_alone(recordings, tmp_path, capsys):
+def test_single_experiment_can_be_measured(recordings, tmp_path, capsys):
     out = tmp_path / 'out'
     assert experiments(out, recordings, '--only', 'fig9', '--seed', '2') == 0
     printed = capsys.readouterr().out
     assert 'Fig. 9' in printed
     assert 'Table 1' not in printed
     files = sorted(path.name for path in out.iterdir())
-    # The whole method by itself is all that Fig. 8 needs.
+    # Fig. 8 needs only the whole method.
     assert files == ['fig8.csv', 'fig8.png', 'fig9.csv', 'fig9.png', 'index.html', 'trials']
     assert len(list((out / 'trials').iterdir())) == 2
     text, tags = read_page(out)
@@ -181,7 +181,7 @@ def test_other_protocols(protocol, recordings, tmp_path):
     given = recordings
     if protocol == 'recordings':
         given = recordings[:1]
-        words = [*words[2:], '--test', recordings[1]]  # which says the protocol
+        words = [*words[2:], '--test', recordings[1]]  # implies the protocol
     assert experiments(tmp_path / 'out', given, *words) == 0
     results = json.loads(path.read_text())
     assert results['protocol'].startswith(protocol)
@@ -191,13 +191,13 @@ def test_other_protocols(protocol, recordings, tmp_path):
 
 
 def complaint(capsys, *words):
-    """Return the one line that `words` end with, and no traceback."""
+    """Return the single line of the error that `words` end with."""
     assert main([str(word) for word in words]) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     return line
 
 
-def test_bad_input_is_named_before_anything_is_done(recordings, people, tmp_path, capsys):
+def test_bad_input_is_reported_before_any_work(recordings, people, tmp_path, capsys):
     out = tmp_path / 'out'
     start = 'experiments', out, '--recordings'
     missing = tmp_path / 'gone.mcap'
@@ -218,17 +218,17 @@ def test_bad_input_is_named_before_anything_is_done(recordings, people, tmp_path
     assert 'cannot create this folder' in line
 
 
-def test_an_unknown_experiment_names_those_there_are(recordings, tmp_path, capsys):
+def test_unknown_experiment_lists_the_known_ones(recordings, tmp_path, capsys):
     with pytest.raises(SystemExit) as end:
         experiments(tmp_path, recordings, '--only', 'fig10')
     assert end.value.code == 2
     assert 'fig15' in capsys.readouterr().err
 
 
-@pytest.mark.parametrize('scope', [full_scope(0), quick_scope(0)])
-def test_every_definition_is_sound(scope):
+@pytest.mark.parametrize('scope', [full_defaults(0), quick_defaults(0)])
+def test_all_definitions_are_consistent(defaults):
     for name, make in EXPERIMENTS.items():
-        experiment = make(scope)
+        experiment = make(defaults)
         labels = [variant.label for variant in experiment.variants]
         assert experiment.name == name
         assert experiment.claims
@@ -236,8 +236,8 @@ def test_every_definition_is_sound(scope):
         assert any(variant.trial for variant in experiment.variants)
 
 
-def test_the_full_scope_is_the_papers():
-    made = {name: make(full_scope(0)) for name, make in EXPERIMENTS.items()}
+def test_full_defaults_are_those_of_the_paper():
+    made = {name: make(full_defaults(0)) for name, make in EXPERIMENTS.items()}
     assert [v.x for v in made['fig12'].variants] == list(range(100, 901, 100))
     assert [v.trial.frames for v in made['fig15'].variants] == [450, 900, 1800, 3600, 7200, 10000]
     scales = [v.trial.training.settings.fixed_scale for v in made['fig13'].variants]
@@ -249,11 +249,11 @@ def test_the_full_scope_is_the_papers():
         assert settings.points == settings.query_points == variant.x
 
 
-def test_what_is_finished_is_written_at_once(recordings, tmp_path, monkeypatch):
+def test_finished_experiments_are_written_immediately(recordings, tmp_path, monkeypatch):
     written = []
 
-    def spy(publisher, bench, _original=Publisher.publish):
-        page = _original(publisher, bench)
+    def spy(publisher, context, _original=Publisher.publish):
+        page = _original(publisher, context)
         written.append([s.experiment.name for s in page.sections if s.rows])
         return page
 

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The paper's rivals from training to pictures: `lsc_pose train --feature --sample`."""
+"""Features and samples of other methods, from training to figures."""
 
 import json
 
@@ -32,9 +32,9 @@ KINDS = [('2dsc', 'silhouette'), ('2dsc', 'body'), ('dcf', 'silhouette'), ('dcf'
          ('mixed', 'silhouette'), ('3dlsc', 'body')]  # fmt: skip
 
 
-@pytest.fixture(scope='module')
+@pytest.fixture(settings='module')
 def recordings(people, tmp_path_factory):
-    """One to learn from, and one of the same people to be tested on."""
+    """A training recording, and a test recording of the same people."""
     paths = []
     for name, frames in (('learn', people[:120]), ('test', people[120:140])):
         paths.append(str(tmp_path_factory.mktemp('rivals') / f'{name}.mcap'))
@@ -44,9 +44,9 @@ def recordings(people, tmp_path_factory):
     return paths
 
 
-@pytest.fixture(scope='module', params=KINDS, ids='-'.join)
+@pytest.fixture(settings='module', params=KINDS, ids='-'.join)
 def trained(request, recordings, tmp_path_factory):
-    """A model of each kind: its feature, its sample, its file."""
+    """Feature, sample and file of one model of each kind."""
     feature, sample = request.param
     path = str(tmp_path_factory.mktemp('trained') / 'rival.npz')
     words = ['train', recordings[0], '-o', path, *SMALL, *JOINTS]
@@ -54,7 +54,7 @@ def trained(request, recordings, tmp_path_factory):
     return feature, sample, path
 
 
-def test_a_model_says_what_it_sees(trained):
+def test_info_prints_feature_and_sample(trained):
     feature, sample, path = trained
     model = load_model(path)
     settings = model.settings
@@ -67,7 +67,7 @@ def test_a_model_says_what_it_sees(trained):
 
 
 @pytest.mark.parametrize('graph', [True, False])
-def test_every_rival_finds_the_easy_joints(graph, trained, recordings, tmp_path):
+def test_all_kinds_find_the_easy_joints(graph, trained, recordings, tmp_path):
     feature, sample, path = trained
     figures = tmp_path / 'figures.json'
     words = ['evaluate', path, recordings[1], '--tolerance', '0.2', '--json', str(figures)]
@@ -78,7 +78,7 @@ def test_every_rival_finds_the_easy_joints(graph, trained, recordings, tmp_path)
     assert results['mean_error_m'] < 0.15
 
 
-def test_every_rival_can_be_timed(trained, recordings, tmp_path, capsys):
+def test_all_kinds_can_be_timed(trained, recordings, tmp_path, capsys):
     path = trained[2]
     figures = tmp_path / 'figures.json'
     words = ['bench', recordings[1], '--model', path, '--frames', '2', '--json', str(figures)]
@@ -89,7 +89,7 @@ def test_every_rival_can_be_timed(trained, recordings, tmp_path, capsys):
 
 
 @pytest.mark.parametrize('trained', [('dcf', 'body')], indirect=True, ids='-'.join)
-def test_a_rival_is_drawn(trained, recordings, tmp_path):
+def test_all_kinds_can_be_drawn(trained, recordings, tmp_path):
     words = ['view', recordings[1], '--model', trained[2], '--stages', '3']
     assert main([*words, '-o', str(tmp_path / 'stages')]) == 0
     assert len(list((tmp_path / 'stages').glob('*.png'))) == 9
@@ -99,7 +99,7 @@ def test_a_rival_is_drawn(trained, recordings, tmp_path):
     ('words', 'known'),
     [(['--feature', 'hog'], FEATURES), (['--sample', 'background'], SAMPLES)],
 )
-def test_an_unknown_feature_or_sample_names_those_there_are(
+def test_unknown_feature_or_sample_lists_the_known_ones(
     words, known, recordings, tmp_path, capsys
 ):
     with pytest.raises(SystemExit) as ended:

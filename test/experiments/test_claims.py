@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether the paper's claims hold, on made-up errors."""
+"""Checks of claims on artificial errors."""
 
 import numpy as np
 import pytest
@@ -24,12 +24,12 @@ from lsc_pose_experiments.experiment import (
     Axis,
     Experiment,
     Variant,
+    fractions_within,
     part_scores,
     points_of,
     rows_of,
-    shares_within,
 )
-from lsc_pose_experiments.trial import Outcome, Score, Trial
+from lsc_pose_experiments.trial import Accuracy, Trial, TrialResult
 
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, names_of, numbers_of
 from lsc_pose_ros.training.train import TrainingSettings
@@ -39,106 +39,110 @@ ENDS = np.array([any(end in n for end in ('elbow', 'wrist', 'hand')) for n in na
 TRIAL = Trial(TrainingSettings(JOINTS), 10)
 
 
-def outcome(missed=0.0, ends=0.0, frames=100, people=400, seed=0):
-    """Errors of 3 cm, but 30 cm in so large a share of all joints, and of the limb ends."""
+def result(missed=0.0, ends=0.0, frames=100, people=400, seed=0):
+    """Errors of 3 cm, but 30 cm in a fraction of all joints, and of the limb ends."""
     chances = np.random.default_rng(seed).random((people, len(JOINTS)))
     errors = np.where(chances < missed + ends * ENDS, 0.3, 0.03).astype(np.float32)
-    return Outcome(JOINTS, errors, np.linspace(0.8, 1.2, people, dtype=np.float32), frames, 1.0)
+    return TrialResult(
+        JOINTS, errors, np.linspace(0.8, 1.2, people, dtype=np.float32), frames, 1.0
+    )
 
 
-def test_a_clear_difference_holds_or_does_not():
-    outcomes = {'a': outcome(0.02), 'b': outcome(0.1)}
-    assert claims.better('a', 'b', '').judge(outcomes).holds is True
-    assert claims.better('b', 'a', '').judge(outcomes).holds is False
-    assert 'points' in claims.better('a', 'b', '').judge(outcomes).words
+def test_significant_difference_decides_a_claim():
+    results = {'a': result(0.02), 'b': result(0.1)}
+    assert claims.better('a', 'b', '').judge(results).holds is True
+    assert claims.better('b', 'a', '').judge(results).holds is False
+    assert 'points' in claims.better('a', 'b', '').judge(results).words
 
 
-def test_a_difference_by_chance_cannot_be_told():
-    outcomes = {'a': outcome(0.05, people=40), 'b': outcome(0.055, people=40, seed=1)}
-    assert claims.better('a', 'b', '').judge(outcomes).holds is None
-    same = {'a': outcome(0.05), 'b': outcome(0.05)}
+def test_random_difference_leaves_a_claim_undecided():
+    results = {'a': result(0.05, people=40), 'b': result(0.055, people=40, seed=1)}
+    assert claims.better('a', 'b', '').judge(results).holds is None
+    same = {'a': result(0.05), 'b': result(0.05)}
     assert claims.better('a', 'b', '').judge(same).holds is None
 
 
-def test_people_are_compared_with_themselves():
-    # Some people are hard for both; beside their spread the difference would be nothing.
-    hard = outcome(0.1, people=300)
+def test_differences_are_computed_for_each_person():
+    # Some people are hard for both variants; compared with their spread the difference is small.
+    hard = result(0.1, people=300)
     for row in range(100):
         hard.errors[row] = 0.4
     errors = hard.errors.copy()
     errors[100:140, 0] = 0.5
     found = claims.difference(hard, hard._replace(errors=errors), 0.1)
-    each = shares_within(hard, 0.1) - shares_within(hard._replace(errors=errors), 0.1)
+    each = fractions_within(hard, 0.1) - fractions_within(hard._replace(errors=errors), 0.1)
     assert found.points == pytest.approx(100 * each.mean())
     assert found.standard_error == pytest.approx(100 * each.std(ddof=1) / np.sqrt(300))
     assert found.clear
 
 
-def test_the_best_must_be_better_than_each():
-    outcomes = {'a': outcome(0.05), 'b': outcome(0.1), 'c': outcome(0.2), 'd': outcome(0.01)}
-    assert claims.best('a', ['b', 'c'], '').judge(outcomes).holds is True
-    assert claims.best('a', ['b', 'd'], '').judge(outcomes).holds is False
-    assert claims.best('a', ['b', 'a'], '').judge(outcomes).holds is None
+def test_best_must_be_better_than_each_other():
+    results = {'a': result(0.05), 'b': result(0.1), 'c': result(0.2), 'd': result(0.01)}
+    assert claims.best('a', ['b', 'c'], '').judge(results).holds is True
+    assert claims.best('a', ['b', 'd'], '').judge(results).holds is False
+    assert claims.best('a', ['b', 'a'], '').judge(results).holds is None
 
 
-def test_a_gain_may_be_larger_at_limb_ends():
-    outcomes = {'graph': outcome(0.02), 'none': outcome(0.04, ends=0.1)}
-    assert claims.more_at_limb_ends('graph', 'none', '').judge(outcomes).holds is True
-    assert claims.more_at_limb_ends('none', 'graph', '').judge(outcomes).holds is False
-    few = {name: claims._only(each, ends=False) for name, each in outcomes.items()}
+def test_gain_is_larger_at_limb_ends():
+    results = {'graph': result(0.02), 'none': result(0.04, ends=0.1)}
+    assert claims.more_at_limb_ends('graph', 'none', '').judge(results).holds is True
+    assert claims.more_at_limb_ends('none', 'graph', '').judge(results).holds is False
+    few = {name: claims._only(each, ends=False) for name, each in results.items()}
     assert claims.more_at_limb_ends('graph', 'none', '').judge(few).holds is None
 
 
-def test_the_papers_numbers_are_reached_in_both():
-    outcomes = {'a': outcome(0.0)}
-    assert claims.reaches('a', 0.95, 0.031, '').judge(outcomes).holds is True
-    assert claims.reaches('a', 0.95, 0.029, '').judge(outcomes).holds is False
-    assert claims.reaches('a', 1.01, 0.031, '').judge(outcomes).holds is False
+def test_both_numbers_must_reach_the_paper():
+    results = {'a': result(0.0)}
+    assert claims.reaches('a', 0.95, 0.031, '').judge(results).holds is True
+    assert claims.reaches('a', 0.95, 0.029, '').judge(results).holds is False
+    assert claims.reaches('a', 1.01, 0.031, '').judge(results).holds is False
 
 
-def test_one_thing_may_matter_more_than_another():
-    outcomes = {'all': outcome(0.01), 'much': outcome(0.2), 'little': outcome(0.05)}
-    assert claims.larger_drop('all', 'much', 'little', '').judge(outcomes).holds is True
-    assert claims.larger_drop('all', 'little', 'much', '').judge(outcomes).holds is False
+def test_one_drop_is_larger_than_another():
+    results = {'all': result(0.01), 'much': result(0.2), 'little': result(0.05)}
+    assert claims.larger_drop('all', 'much', 'little', '').judge(results).holds is True
+    assert claims.larger_drop('all', 'little', 'much', '').judge(results).holds is False
 
 
-def test_level_is_within_half_a_point_and_two_millimetres():
-    outcomes = {'a': outcome(0.05), 'b': outcome(0.05, seed=0), 'c': outcome(0.07)}
-    assert claims.level(['a', 'b'], '').judge(outcomes).holds is True
-    assert claims.level(['a', 'b', 'c'], '').judge(outcomes).holds is False
-    longer = outcomes['a']._replace(errors=outcomes['a'].errors + np.float32(0.003))
-    assert claims.level(['a', 'd'], '').judge(outcomes | {'d': longer}).holds is False
+def test_equal_is_within_half_a_point_and_two_millimetres():
+    results = {'a': result(0.05), 'b': result(0.05, seed=0), 'c': result(0.07)}
+    assert claims.equal(['a', 'b'], '').judge(results).holds is True
+    assert claims.equal(['a', 'b', 'c'], '').judge(results).holds is False
+    longer = results['a']._replace(errors=results['a'].errors + np.float32(0.003))
+    assert claims.equal(['a', 'd'], '').judge(results | {'d': longer}).holds is False
 
 
-def test_more_frames_must_help():
+def test_more_frames_must_improve_the_result():
     labels = ['few', 'usual', 'many']
-    outcomes = dict(zip(labels, (outcome(0.2, frames=10), outcome(0.1), outcome(0.05, frames=200)),
+    results = dict(zip(labels, (result(0.2, frames=10), result(0.1), result(0.05, frames=200)),
                         strict=True))  # fmt: skip
-    verdict = claims.grows(labels, 'usual', '').judge(outcomes)
+    verdict = claims.improves_with_frames(labels, 'usual', '').judge(results)
     assert verdict.holds is True
-    assert verdict.words.startswith('200 frames beside 100')
-    # The recordings have no more than the usual number: the smallest set is the other.
-    outcomes['many'] = outcomes['usual']
+    assert verdict.words.startswith('200 frames against 100')
+    # The recordings have no more frames than the reference, so it is compared with the smallest.
+    results['many'] = results['usual']
     assert (
-        claims.grows(labels, 'usual', '').judge(outcomes).words.startswith('100 frames beside 10')
+        claims.improves_with_frames(labels, 'usual', '')
+        .judge(results)
+        .words.startswith('100 frames against 10')
     )
-    same = dict.fromkeys(labels, outcome())
-    assert claims.grows(labels, 'usual', '').judge(same).holds is None
+    same = dict.fromkeys(labels, result())
+    assert claims.improves_with_frames(labels, 'usual', '').judge(same).holds is None
 
 
-def test_parts_that_are_not_labelled_leave_a_claim_open():
-    outcomes = {'a': outcome(0.0)}
-    assert claims.part_reaches('a', {'hands': 0.99, 'head': 1.0}, 0.2, '').judge(outcomes).holds
-    verdict = claims.part_reaches('a', {'hands': 0.99, 'feet': 0.9}, 0.2, '').judge(outcomes)
+def test_unlabelled_parts_leave_a_claim_undecided():
+    results = {'a': result(0.0)}
+    assert claims.part_reaches('a', {'hands': 0.99, 'head': 1.0}, 0.2, '').judge(results).holds
+    verdict = claims.part_reaches('a', {'hands': 0.99, 'feet': 0.9}, 0.2, '').judge(results)
     assert verdict.holds is None
     assert 'feet not labelled' in verdict.words
-    worse = {'a': outcome(0.5)}
+    worse = {'a': result(0.5)}
     assert not claims.part_reaches('a', {'hands': 0.99, 'feet': 0.9}, 0.2, '').judge(worse).holds
 
 
 def test_parts_are_joints_kinds_and_thirds():
-    found = outcome()
-    found.errors[:, 0] = np.linspace(0.01, 0.2, 400)  # the head of larger people is farther off
+    found = result()
+    found.errors[:, 0] = np.linspace(0.01, 0.2, 400)  # the error of the head rises with the size
     found.errors[:, 2] = np.nan  # nobody's torso is labelled
     hands = [names_of(JOINTS).index(name) for name in ('l_hand', 'r_hand')]
     found.errors[:, hands[0]] = np.inf
@@ -147,25 +151,25 @@ def test_parts_are_joints_kinds_and_thirds():
     people, head = scores['head']
     assert people == 400
     assert head.error == pytest.approx(0.105)
-    assert head.share == pytest.approx(np.mean(found.errors[:, 0] <= 0.1))
-    assert scores['l_hand'][1] == Score(None, 0.0)
-    assert scores['hands'][1].share == pytest.approx(0.5)
+    assert head.fraction == pytest.approx(np.mean(found.errors[:, 0] <= 0.1))
+    assert scores['l_hand'][1] == Accuracy(None, 0.0)
+    assert scores['hands'][1].fraction == pytest.approx(0.5)
     assert scores['hands'][1].error == pytest.approx(0.03)
     thirds = [scores[size][1].error or 0.0 for size in SIZES]
     assert thirds == sorted(thirds)
     assert [scores[size][0] for size in SIZES] == [134, 133, 133]
     mean = np.nanmean([np.mean(found.errors[:, j] <= 0.1) for j in range(17) if j != 2])
-    assert scores[MEAN][1].share == pytest.approx(mean)
+    assert scores[MEAN][1].fraction == pytest.approx(mean)
 
 
-def test_rows_have_the_papers_numbers_beside_ours():
+def test_rows_have_measured_numbers_and_those_of_the_paper():
     experiment = Experiment(
         'x', 'X', '', (
-            Variant('theirs', None, {MEAN: Score(0.05, 0.9)}),
-            Variant('ours', TRIAL, {MEAN: Score(None, 0.99), 'feet': Score(None, 0.7)}),
+            Variant('theirs', None, {MEAN: Accuracy(0.05, 0.9)}),
+            Variant('ours', TRIAL, {MEAN: Accuracy(None, 0.99), 'feet': Accuracy(None, 0.7)}),
         ), (),
     )  # fmt: skip
-    rows = {(row.variant, row.part): row for row in rows_of(experiment, {'ours': outcome()})}
+    rows = {(row.variant, row.part): row for row in rows_of(experiment, {'ours': result()})}
     theirs = rows['theirs', MEAN]
     assert (theirs.ap, theirs.paper_mean_error_m, theirs.paper_ap) == (None, 0.05, 0.9)
     ours = rows['ours', MEAN]
@@ -174,12 +178,12 @@ def test_rows_have_the_papers_numbers_beside_ours():
     assert rows['ours', 'feet'].ap is None
 
 
-def test_a_curve_of_training_sizes_has_each_size_once():
+def test_curve_has_each_number_of_frames_once():
     sizes = {'10 frames': 10, '20 frames': 15, '40 frames': 15}
     variants = tuple(Variant(label, TRIAL, x=n) for n, label in enumerate(sizes))
-    outcomes = {label: outcome(frames=count) for label, count in sizes.items()}
+    results = {label: result(frames=count) for label, count in sizes.items()}
     curve = Experiment('x', 'X', '', variants, (), axis=Axis('frames', frames=True))
-    rows = rows_of(curve, outcomes)
+    rows = rows_of(curve, results)
     means = [(row.x, row.variant) for row in points_of(curve, rows) if row.part == MEAN]
     assert means == [(10, '10 frames'), (15, '20 frames')]
     plain = curve._replace(axis=Axis('N'))

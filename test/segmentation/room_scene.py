@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""People in a room with floor, walls, ceiling and furniture, as a depth camera sees them."""
+"""Depth images of people in a room with floor, walls, ceiling and furniture."""
 
 from functools import cache
 from typing import NamedTuple
@@ -34,11 +34,11 @@ from lsc_pose_ros.synthetic.sensors.sensors import apply_sensor
 
 
 class Room(NamedTuple):
-    """A room about the camera, metres and degrees; boxes are (x, y, z) from low to high."""
+    """A room around the camera, metres and degrees; boxes are (x, y, z) from low to high."""
 
     camera_height: float = 1.0
-    tilt: float = 0.0  # the camera looks down by so much
-    turn: float = 0.0  # and aside of the back wall by so much
+    tilt: float = 0.0  # the camera is tilted down by this angle
+    turn: float = 0.0  # and turned from the back wall by this angle
     back: float = 4.0
     left: float = -2.2
     right: float = 2.5
@@ -63,7 +63,7 @@ class Room(NamedTuple):
 
 
 class Person(NamedTuple):
-    """Where somebody stands in the room, and who, by a seed."""
+    """Position of a person in the room, and the seed of the body."""
 
     x: float = 0.0
     z: float = 2.3
@@ -81,7 +81,7 @@ def everybody() -> synthetic_people.PersonSampler:
 
 @cache
 def somebody(seed: int) -> synthetic_people.SyntheticPerson:
-    """Somebody who stands, arms a little or farther aside of the body."""
+    """Return a standing body with its arms more or less spread."""
     random = np.random.Generator(np.random.PCG64(seed))
     rest = everybody().sample_body(random)
     angles = np.zeros(len(ANGLES))
@@ -107,7 +107,7 @@ def empty_room(room: Room, camera: Intrinsics, width: int, height: int) -> np.nd
         [(columns - camera.cx) / camera.fx, (rows - camera.cy) / camera.fy, np.ones(rows.shape)],
         axis=-1,
     )
-    level = rays @ room.to_camera  # the transposed turn, ray by ray
+    level = rays @ room.to_camera  # the transposed rotation of each ray
     floor = room.camera_height
     low = np.array([room.left, floor - room.ceiling, -0.5])
     high = np.array([room.right, floor, room.back])
@@ -124,7 +124,7 @@ def empty_room(room: Room, camera: Intrinsics, width: int, height: int) -> np.nd
 def look(
     room: Room, people: list[Person], *, width: int = 320, noise_seed: int = 1
 ) -> tuple[DepthImage, Intrinsics]:
-    """Return what a Kinect in the room sees, and its intrinsics; people are numbered from 1."""
+    """Return the image of a Kinect in the room, and its intrinsics; people are numbered from 1."""
     camera, height = camera_of(settings(width)), width * 3 // 4
     depth = empty_room(room, camera, width, height)
     labels = np.full(depth.shape, NO_BODY, np.int32)

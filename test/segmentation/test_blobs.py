@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What hangs together in space, and what has the size of a body, against plain Python."""
+"""Connected parts and the sizes of bodies, compared with plain Python."""
 
 from itertools import pairwise
 
@@ -27,12 +27,12 @@ from lsc_pose_ros.segmentation.blobs import (
     BARRIER,
     Blobs,
     body_sized,
-    connect,
+    connect_pixels,
     find_blobs,
     gap_of,
     label_bodies,
     measure,
-    touch,
+    measure_contact,
 )
 
 CAMERA = Intrinsics(60.0, 62.0, 31.0, 23.0)
@@ -40,7 +40,7 @@ GAP = 3
 
 
 def line_links(line: list[float], gap: int, focal: float) -> list[tuple[int, int]]:
-    """Which pixels of one row or column hang together."""
+    """Return the connected pixels of one row or column."""
     links = []
     last = hidden = None
     for index, here in enumerate(line):
@@ -102,7 +102,7 @@ def plain_connect(depth: np.ndarray, gap: int, camera: Intrinsics) -> np.ndarray
 
 
 def random_depth(seed: int, shape: tuple[int, int] = (24, 32)) -> np.ndarray:
-    """Slanted patches over one another, with holes and barriers."""
+    """Return overlapping slanted patches with holes and barriers."""
     random = np.random.default_rng(seed)
     depth = np.zeros(shape, np.float32)
     rows, columns = np.indices(shape)
@@ -121,7 +121,7 @@ def random_depth(seed: int, shape: tuple[int, int] = (24, 32)) -> np.ndarray:
 @pytest.mark.parametrize('seed', range(30))
 def test_blobs_are_those_of_plain_python(seed: int) -> None:
     depth = random_depth(seed)
-    numbers, count = connect(depth, GAP, CAMERA)
+    numbers, count = connect_pixels(depth, GAP, CAMERA)
     expected = plain_connect(depth, GAP, CAMERA)
     np.testing.assert_array_equal(numbers, expected)
     assert count == expected.max() + 1
@@ -139,7 +139,7 @@ def test_blobs_are_those_of_plain_python(seed: int) -> None:
 )
 def test_degenerate_images(depth: np.ndarray) -> None:
     depth = depth.astype(np.float32)
-    numbers, count = connect(depth, GAP, CAMERA)
+    numbers, count = connect_pixels(depth, GAP, CAMERA)
     if np.isfinite(depth).all():
         np.testing.assert_array_equal(numbers, plain_connect(depth, GAP, CAMERA))
     blobs = measure(depth, numbers, count, CAMERA)
@@ -148,7 +148,7 @@ def test_degenerate_images(depth: np.ndarray) -> None:
 
 
 def test_spiral_is_one_blob() -> None:
-    """What joins late in the scan must be one in the end."""
+    """Parts that are connected late in the scan become one blob."""
     depth = np.full((41, 41), BARRIER)
     low, high = 0, 40
     while low < high:
@@ -157,7 +157,7 @@ def test_spiral_is_one_blob() -> None:
         depth[low + 2, low : low + 3] = 1.5
         low, high = low + 2, high - 2
     depth = depth.astype(np.float32)
-    numbers, count = connect(depth, 1, CAMERA)
+    numbers, count = connect_pixels(depth, 1, CAMERA)
     assert count == plain_connect(depth, 1, CAMERA).max() + 1 == 1
     assert ((numbers == 0) == (depth > 0)).all()
 
@@ -167,22 +167,22 @@ def test_trunk_behind_an_arm_is_one_but_two_people_are_not() -> None:
     depth[4:44, 20:40] = 2.0
     depth[20:24, 10:50] = 1.6  # the arm, 4 / 62 * 2.0 = 13 cm
     arm = depth.astype(np.float32)
-    numbers, _ = connect(arm, GAP, CAMERA)
+    numbers, _ = connect_pixels(arm, GAP, CAMERA)
     assert numbers[10, 30] == numbers[40, 30] != numbers[22, 30]
     depth[20:32, 10:50] = 1.6  # 39 cm
-    numbers, _ = connect(depth.astype(np.float32), GAP, CAMERA)
+    numbers, _ = connect_pixels(depth.astype(np.float32), GAP, CAMERA)
     assert numbers[10, 30] != numbers[40, 30]
 
 
 def test_a_gap_is_bridged_but_a_barrier_is_not() -> None:
     line = np.full((1, 20), 2.0, np.float32)
     line[0, 5:7] = 0
-    assert connect(line, GAP, CAMERA)[1] == 1
+    assert connect_pixels(line, GAP, CAMERA)[1] == 1
     line[0, 5:8] = 0
-    assert connect(line, GAP, CAMERA)[1] == 2
+    assert connect_pixels(line, GAP, CAMERA)[1] == 2
     line[0, 5:8] = 2.0
     line[0, 6] = BARRIER
-    assert connect(line, GAP, CAMERA)[1] == 2
+    assert connect_pixels(line, GAP, CAMERA)[1] == 2
 
 
 @pytest.mark.parametrize('seed', range(5))
@@ -201,7 +201,7 @@ def test_sizes_are_those_of_the_points(seed: int) -> None:
         np.testing.assert_allclose(blobs.high[number], points[inside].max(axis=0), atol=1e-6)
 
 
-def plain_touch(
+def plain_contact(
     numbers: np.ndarray, ranks: np.ndarray, bodies: int, gap: int
 ) -> tuple[np.ndarray, np.ndarray]:
     outline = np.zeros(len(ranks), int)
@@ -226,8 +226,8 @@ def test_outline_and_contact_are_those_of_plain_python(seed: int) -> None:
     random = np.random.default_rng(seed)
     numbers = random.integers(-2, 6, (6, 8)).clip(-1).repeat(3, 0).repeat(3, 1).astype(np.int32)
     ranks = np.array([-1, 0, -1, 1, -1, -1], np.int32)
-    outline, contact = touch(numbers, ranks, 2, 4)
-    expected_outline, expected_contact = plain_touch(numbers, ranks, 2, 4)
+    outline, contact = measure_contact(numbers, ranks, 2, 4)
+    expected_outline, expected_contact = plain_contact(numbers, ranks, 2, 4)
     np.testing.assert_array_equal(outline, expected_outline)
     np.testing.assert_array_equal(contact, expected_contact)
 
@@ -262,7 +262,7 @@ def test_size_of_a_body(*, size: tuple[float, float, float], area: float, body: 
 
 
 def scene_with_hand(depth_of_hand: float, column: int) -> np.ndarray:
-    """A body, 0.67 m x 1.3 m at 2 m, and a hand somewhere before it or beside it."""
+    """A body, 0.67 m x 1.3 m at 2 m, and a hand in front of it, beside it or behind it."""
     depth = np.full((48, 64), BARRIER, np.float32)
     depth[4:44, 20:40] = 2.0
     depth[20:25, column : column + 5] = depth_of_hand
@@ -275,11 +275,11 @@ def scene_with_hand(depth_of_hand: float, column: int) -> np.ndarray:
         (1.4, 28, True),  # held towards the camera
         (1.4, 38, True),  # at the body's edge
         (1.4, 50, False),  # away from it
-        (0.9, 28, False),  # farther before it than an arm is long
-        (2.5, 38, False),  # behind it, at its edge: a part of something else
+        (0.9, 28, False),  # farther in front of it than the length of an arm
+        (2.5, 38, False),  # behind it, at its edge: part of another object
     ],
 )
-def test_hand_before_a_body_belongs_to_it(
+def test_hand_in_front_of_a_body_belongs_to_it(
     *, depth_of_hand: float, column: int, belongs: bool
 ) -> None:
     blobs = find_blobs(scene_with_hand(depth_of_hand, column), CAMERA)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""People are found without a mask: in a room, before a learnt scene, and in real images."""
+"""Segmentation without masks: in a room, with a learnt background, and in real images."""
 
 import os
 import subprocess
@@ -29,7 +29,7 @@ import lsc_pose_ros
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.segmentation.background import Background, before_scene, empty_scene
+from lsc_pose_ros.segmentation.background import Background, empty_scene, remove_scene
 from lsc_pose_ros.segmentation.blobs import BARRIER
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
 from lsc_pose_ros.segmentation.segmenter import Segmenter, make_segmenter, segment
@@ -43,7 +43,7 @@ TABLE = ((-1.6, 0.3, 2.6), (-0.4, 1.0, 3.4))
 
 
 def learnt(room: Room, *, width: int = 320, seconds: float = 0.2) -> Background:
-    """A segmenter that has seen the room empty."""
+    """A segmenter that has learnt the empty room."""
     background = Background(seconds, 0.1, *RANGE)
     number = 0
     while not background.ready:
@@ -54,7 +54,7 @@ def learnt(room: Room, *, width: int = 320, seconds: float = 0.2) -> Background:
 
 
 @pytest.mark.parametrize('seed', range(6))
-def test_person_who_stands_on_the_floor_is_cut_out_whole(seed: int) -> None:
+def test_person_on_the_floor_is_segmented_completely(seed: int) -> None:
     random = np.random.default_rng(seed)
     room = Room(
         camera_height=random.uniform(0.8, 1.8),
@@ -91,13 +91,13 @@ def test_nearest_person_is_found_among_others_and_furniture(
     assert overlap(labels == 1, seen.labels == nearest) > 0.95
 
 
-def test_empty_room_shows_nobody() -> None:
+def test_empty_room_has_no_body() -> None:
     for room in (Room(), Room(tilt=15, turn=30), Room(back=9, left=-9, right=9)):
         seen, camera = look(room, [])
         assert (NearestBody(*RANGE).labels(seen.depth, camera) == NO_BODY).all()
 
 
-def test_nobody_is_found_out_of_range() -> None:
+def test_bodies_out_of_range_are_ignored() -> None:
     seen, camera = look(Room(), [Person(0.0, 2.5)])
     for limits in ((0.4, 1.9), (3.0, 5.0)):
         labels = NearestBody(*limits).labels(seen.depth, camera)
@@ -105,14 +105,14 @@ def test_nobody_is_found_out_of_range() -> None:
 
 
 @pytest.mark.parametrize('depth', [np.zeros((48, 64)), np.full((48, 64), 1.0), np.ones((1, 1))])
-def test_degenerate_images_show_nobody(depth: np.ndarray) -> None:
+def test_degenerate_images_have_no_body(depth: np.ndarray) -> None:
     depth = depth.astype(np.float32)
     for segmenter in (NearestBody(*RANGE), Background(0.0, 0.1, *RANGE)):
         assert (segment(segmenter, 0, depth, KINECT) == NO_BODY).all()
 
 
-@pytest.mark.parametrize(('wall', 'share'), [(0.0, 0.999), (3.0, 0.9)])
-def test_real_people_from_the_waist_up(shared: Path, wall: float, share: float) -> None:
+@pytest.mark.parametrize(('wall', 'fraction'), [(0.0, 0.999), (3.0, 0.9)])
+def test_real_people_from_the_waist_up(shared: Path, wall: float, fraction: float) -> None:
     """Kinect images whose background is cut away; in the last two somebody is farther back.
 
     A wall in place of the background fills the holes in the people, too, which costs a hand.
@@ -125,7 +125,7 @@ def test_real_people_from_the_waist_up(shared: Path, wall: float, share: float) 
         expected = (depth > 0) & ((depth < 1.65) | (path.name not in several))
         depth = np.where(depth > 0, depth, np.float32(wall))
         labels = NearestBody(*RANGE).labels(depth, KINECT)
-        assert overlap(labels == 1, expected) > share, path.name
+        assert overlap(labels == 1, expected) > fraction, path.name
 
 
 @pytest.mark.parametrize(
@@ -137,7 +137,7 @@ def test_real_people_from_the_waist_up(shared: Path, wall: float, share: float) 
         (Room(back=3.0), [Person(0.0, 2.75, 8)]),
     ],
 )
-def test_people_before_a_learnt_scene(room: Room, people: list[Person]) -> None:
+def test_people_in_front_of_a_learnt_scene(room: Room, people: list[Person]) -> None:
     background = learnt(room)
     seen, camera = look(room, people)
     labels = background.labels(seen.depth, camera)
@@ -150,7 +150,7 @@ def test_people_before_a_learnt_scene(room: Room, people: list[Person]) -> None:
         assert best > 0.95
 
 
-def test_scene_is_learnt_for_as_long_as_asked() -> None:
+def test_scene_is_learnt_for_the_given_duration() -> None:
     background = Background(1.0, 0.1, *RANGE)
     depth = np.full((48, 64), 3.0, np.float32)
     for number in range(30):
@@ -169,7 +169,7 @@ def test_learning_needs_little_memory_at_any_rate() -> None:
     assert len(background._seen) >= 14
 
 
-def test_recording_that_begins_again_is_learnt_from_its_beginning() -> None:
+def test_restarted_recording_is_learnt_from_its_beginning() -> None:
     background = Background(1.0, 0.1, *RANGE)
     depth = np.full((48, 64), 3.0, np.float32)
     background.learn(5 * 10**9, depth)
@@ -180,7 +180,7 @@ def test_recording_that_begins_again_is_learnt_from_its_beginning() -> None:
     assert background.ready
 
 
-def test_other_image_size_is_another_scene() -> None:
+def test_new_image_size_starts_a_new_scene() -> None:
     background = Background(0.0, 0.1, *RANGE)
     background.learn(0, np.full((48, 64), 3.0, np.float32))
     assert background.ready
@@ -191,7 +191,7 @@ def test_other_image_size_is_another_scene() -> None:
     assert background.labels(other, KINECT).shape == other.shape
 
 
-def test_scene_is_the_median_of_what_was_seen() -> None:
+def test_scene_is_the_median_of_the_depths() -> None:
     random = np.random.default_rng(0)
     images = random.uniform(1, 4, (9, 12, 16)).astype(np.float32)
     images[random.random(images.shape) < 0.4] = 0
@@ -204,19 +204,19 @@ def test_scene_is_the_median_of_what_was_seen() -> None:
             assert scene[row, column] == expected
 
 
-def test_somebody_who_walks_through_while_the_scene_is_learnt_does_not_spoil_it() -> None:
+def test_person_who_walks_through_during_learning_is_not_in_the_scene() -> None:
     images = np.full((15, 4, 4), 3.0, np.float32)
     images[4:9] = 1.5
     assert (empty_scene(images) == 3.0).all()
 
 
-def test_what_is_before_the_scene_is_what_numpy_finds() -> None:
+def test_removed_scene_is_that_of_numpy() -> None:
     random = np.random.default_rng(1)
     depth = random.uniform(0, 6, (30, 40)).astype(np.float32)
     depth[random.random(depth.shape) < 0.2] = 0
     scene = random.uniform(1, 6, depth.shape).astype(np.float32)
     scene[:3] = np.inf
-    found = before_scene(depth, scene, 0.1, 0.4, 5.0)
+    found = remove_scene(depth, scene, 0.1, 0.4, 5.0)
     body = (depth >= 0.4) & (depth <= 5.0) & (depth.astype(float) <= scene.astype(float) - 0.1)
     np.testing.assert_array_equal(
         found, np.where(depth == 0, 0, np.where(body, depth, BARRIER)).astype(np.float32)
@@ -254,7 +254,7 @@ def test_settings_make_segmenters() -> None:
         (SegmentationSettings('nearest', 3.0, 2.0), ['range_min', 'range_max']),
     ],
 )
-def test_bad_settings_are_named(settings: SegmentationSettings, names: list[str]) -> None:
+def test_errors_name_the_bad_settings(settings: SegmentationSettings, names: list[str]) -> None:
     with pytest.raises(InputError) as error:
         make_segmenter(settings)
     for name in names:
@@ -262,8 +262,8 @@ def test_bad_settings_are_named(settings: SegmentationSettings, names: list[str]
 
 
 @pytest.mark.parametrize('mode', ['nearest', 'background'])
-def test_after_the_warm_up_nothing_is_left_to_compile(mode: str) -> None:
-    """In a process of its own, where no other test has compiled anything."""
+def test_warm_up_compiles_everything(mode: str) -> None:
+    """Run in a separate process, in which no other test has compiled kernels."""
     program = f"""
 from numba.core.dispatcher import Dispatcher
 from room_scene import Person, Room, look

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The One-Euro filter against the paper's algorithm, written for one number after the other."""
+"""The One-Euro filter, compared with the algorithm of the paper for single numbers."""
 
 import math
 
@@ -41,7 +41,7 @@ def alpha(seconds, cutoff):
 
 
 class PlainFilter:
-    """Algorithm 1 for one point, three numbers at a time."""
+    """Algorithm 1 for one point."""
 
     def __init__(self):
         self.before = None
@@ -69,7 +69,7 @@ class PlainFilter:
 
 
 def walk(seed, frames=200):
-    """Stamps with gaps, repeats and steps back, and points of which some are unknown."""
+    """Return stamps with gaps, repeats and steps back, and points, some of them unknown."""
     random = np.random.default_rng(seed)
     steps = random.choice(
         [33, 34, 7, 0, -20, 400, 500, 501, 2000], frames, p=[0.6, 0.2, *[0.2 / 7] * 7]
@@ -77,12 +77,12 @@ def walk(seed, frames=200):
     stamps = START + np.cumsum(steps) * 1_000_000
     points = np.cumsum(random.normal(0, 0.05, (frames, JOINTS, 3)), axis=0).astype(np.float32)
     points[random.random((frames, JOINTS)) < 0.15] = np.nan
-    points[random.random((frames, JOINTS)) < 0.02, 1] = np.nan  # one axis alone
+    points[random.random((frames, JOINTS)) < 0.02, 1] = np.nan  # a single axis
     return stamps.tolist(), points
 
 
 @pytest.mark.parametrize('seed', range(4))
-def test_as_the_paper_has_it(seed):
+def test_results_are_those_of_the_paper(seed):
     stamps, points = walk(seed)
     body, plain = OneEuroPoints(JOINTS), [PlainFilter() for _ in range(JOINTS)]
     for stamp, joints in zip(stamps, points, strict=True):
@@ -95,7 +95,7 @@ def test_as_the_paper_has_it(seed):
         np.testing.assert_allclose(found, np.array(expected), rtol=1e-5, atol=1e-6)
 
 
-def test_the_points_handed_over_are_not_changed():
+def test_input_is_not_modified():
     stamps, points = walk(1, 10)
     before = points.copy()
     body = OneEuroPoints(JOINTS)
@@ -104,11 +104,11 @@ def test_the_points_handed_over_are_not_changed():
     np.testing.assert_array_equal(points, before)
 
 
-def test_it_steadies_what_rests_and_follows_what_moves():
+def test_resting_joints_are_smoothed_and_moving_joints_are_followed():
     random = np.random.default_rng(3)
     frames = 90
     points = np.zeros((frames, 2, 3), np.float32)
-    points[:, 1, 0] = 2.0 * np.arange(frames) / 30  # 2 m/s, a quick hand
+    points[:, 1, 0] = 2.0 * np.arange(frames) / 30  # 2 m/s, a fast hand
     noisy = points + random.normal(0, 0.01, points.shape).astype(np.float32)
     body = OneEuroPoints(2)
     smooth = np.array(
@@ -123,7 +123,7 @@ def test_it_steadies_what_rests_and_follows_what_moves():
     assert lag < 0.02
 
 
-def test_the_direction_of_a_movement_makes_no_difference():
+def test_smoothing_does_not_depend_on_the_direction():
     stamps, points = walk(7, 60)
     random = np.random.default_rng(0)
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
@@ -142,7 +142,7 @@ def skeletons(bodies, positions):
     return Skeletons(np.array(bodies, np.uint16), joints, positions, confidence)
 
 
-def test_bodies_that_come_and_go_are_filtered_each_by_itself():
+def test_bodies_are_filtered_independently():
     random = np.random.default_rng(11)
     filters, alone = OneEuroBodies(), {}
     stamp = START
@@ -159,7 +159,7 @@ def test_bodies_that_come_and_go_are_filtered_each_by_itself():
             np.testing.assert_array_equal(found.positions[row], expected)
 
 
-def test_nobody_and_bodies_without_joints():
+def test_no_bodies_and_bodies_without_joints():
     filters = OneEuroBodies()
     nobody = skeletons([], np.zeros((0, JOINTS, 3)))
     assert filters.filter(START, nobody, SETTINGS).positions.shape == nobody.positions.shape
@@ -167,7 +167,7 @@ def test_nobody_and_bodies_without_joints():
     assert np.isnan(filters.filter(START + 1, unseen, SETTINGS).positions).all()
 
 
-def test_who_has_left_is_forgotten():
+def test_history_of_an_absent_body_is_deleted():
     filters = OneEuroBodies()
     for number in range(100):
         filters.filter(

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Bodies keep their numbers."""
+"""Tracking of body numbers."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ POSE = np.array([[0, -0.8, 0], [0, -0.5, 0], [0.2, 0, 0.1], [-0.2, 0, 0.1]], np.
 
 
 def people(places):
-    """Bodies by their mask's number, each standing at x metres, or None for an unseen one."""
+    """Return bodies by number in the mask, at x metres each, or None without known joints."""
     labels = sorted(places)
     positions = np.full((len(labels), len(POSE), 3), np.nan, np.float32)
     for row, label in enumerate(labels):
@@ -44,7 +44,7 @@ def people(places):
 
 
 def numbers(tracker, frame, places):
-    """The places by the numbers that the tracker gives."""
+    """Return the positions by the numbers of the tracker."""
     found = tracker.follow(START + frame * FRAME, people(places))
     assert found.bodies.dtype == np.uint16
     assert found.bodies.tolist() == sorted(set(found.bodies.tolist()))
@@ -59,12 +59,12 @@ def tracker():
     return Tracker()
 
 
-def test_the_masks_numbers_are_kept(tracker):
+def test_numbers_of_the_mask_are_kept(tracker):
     assert numbers(tracker, 0, {1: 0.0, 7: 1.0}) == {1: 0.0, 7: 1.0}
     assert numbers(tracker, 1, {1: 0.1, 7: 0.9}) == {1: 0.1, 7: 0.9}
 
 
-def test_numbers_survive_any_renumbering(tracker):
+def test_numbers_persist_if_the_mask_renumbers(tracker):
     random = np.random.default_rng(4)
     homes = np.array([-1.5, -0.5, 0.5, 1.5])
     numbers(tracker, 0, dict(enumerate(homes.tolist(), 1)))
@@ -75,7 +75,7 @@ def test_numbers_survive_any_renumbering(tracker):
         assert found == {body: round(x, 3) for body, x in enumerate(places.tolist(), 1)}
 
 
-def test_joints_and_confidence_go_with_their_body(tracker):
+def test_joints_and_confidence_stay_with_their_body(tracker):
     tracker.follow(START, people({1: 0.0, 2: 1.0}))
     swapped = people({1: 1.0, 2: 0.0})
     found = tracker.follow(START + FRAME, swapped)
@@ -84,12 +84,12 @@ def test_joints_and_confidence_go_with_their_body(tracker):
     np.testing.assert_array_equal(found.joints, swapped.joints)
 
 
-def test_one_who_is_left_alone_keeps_his_number(tracker):
+def test_remaining_body_keeps_its_number(tracker):
     numbers(tracker, 0, {1: 0.0, 2: 1.0})
     assert numbers(tracker, 1, {1: 1.02}) == {2: 1.02}
 
 
-def test_a_short_absence(tracker):
+def test_number_persists_over_a_short_absence(tracker):
     numbers(tracker, 0, {1: 0.0, 2: 1.0})
     numbers(tracker, 1, {1: 1.0})
     within = MEMORY_NS // FRAME
@@ -97,38 +97,38 @@ def test_a_short_absence(tracker):
     assert numbers(tracker, within, {1: 1.0, 2: 0.1}) == {1: 0.1, 2: 1.0}
 
 
-def test_after_a_long_absence_numbers_are_free_again(tracker):
+def test_numbers_are_free_after_a_long_absence(tracker):
     numbers(tracker, 0, {1: 0.0})
     later = MEMORY_NS // FRAME + 2
     assert numbers(tracker, later, {1: 1.0, 4: 0.0}) == {1: 1.0, 4: 0.0}
 
 
-def test_a_leap_is_another_body(tracker):
+def test_large_jump_is_a_new_body(tracker):
     numbers(tracker, 0, {1: 0.0})
     assert numbers(tracker, 1, {1: GATE + 0.05}) == {2: GATE + 0.05}
     assert numbers(tracker, 2, {1: 0.05}) == {1: 0.05}
 
 
-def test_a_newcomer_gets_no_number_in_use(tracker):
+def test_new_body_gets_an_unused_number(tracker):
     numbers(tracker, 0, {1: 0.0})
-    # The mask gives the newcomer the number of the one who was there, and him a new one.
+    # The mask exchanges them: the new body has the number of the known one.
     assert numbers(tracker, 1, {1: 2.0, 2: 0.0}) == {1: 0.0, 3: 2.0}
     assert numbers(tracker, 2, {1: 2.0, 2: 0.0, 3: -2.0}) == {1: 0.0, 3: 2.0, 4: -2.0}
 
 
-def test_the_nearest_pair_goes_first(tracker):
+def test_nearest_pair_is_matched_first(tracker):
     numbers(tracker, 0, {1: 0.0, 2: 0.4})
     assert numbers(tracker, 1, {1: 0.35, 2: 0.75}) == {2: 0.35, 3: 0.75}
 
 
-def test_who_is_hardly_seen_keeps_the_number_that_the_mask_knew(tracker):
+def test_body_without_joints_is_matched_by_the_mask(tracker):
     numbers(tracker, 0, {1: 0.0, 2: 1.0})
     numbers(tracker, 1, {1: 1.0, 2: 0.0})
     assert numbers(tracker, 2, {1: None, 2: 0.0}) == {1: 0.0, 2: None}
     assert numbers(tracker, 3, {1: 1.0, 2: 0.0}) == {1: 0.0, 2: 1.0}
 
 
-def test_hidden_joints_do_not_break_the_thread(tracker):
+def test_hidden_joints_keep_the_track(tracker):
     first = people({1: 0.0, 2: 1.0})
     first.positions[:, 2:] = np.nan
     tracker.follow(START, first)
@@ -142,7 +142,7 @@ def test_hidden_joints_do_not_break_the_thread(tracker):
     assert found.positions[0, 1, 0] == 0
 
 
-def test_the_largest_number_is_not_the_end(tracker):
+def test_numbers_are_reused_after_the_largest(tracker):
     numbers(tracker, 0, {65535: 0.0})
     assert numbers(tracker, 1, {65535: 2.0, 1: 0.0}) == {2: 2.0, 65535: 0.0}
 

@@ -22,18 +22,18 @@ from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.inference.confidence import KNOTS, vote_fractions
 from lsc_pose_ros.synthetic.generator import synthetic_frames
 from lsc_pose_ros.training.calibration import (
-    Evidence,
+    CalibrationData,
     calibrate,
     fit_calibration,
-    gather_evidence,
+    gather_calibration_data,
     pool_adjacent_violators,
 )
-from lsc_pose_ros.training.samples import hold_out, labelled_people, split_samples
+from lsc_pose_ros.training.samples import held_out_mask, labelled_people, split_samples
 from lsc_pose_ros.training.train import train
 
 
 def plain_isotonic(values, weights):
-    """The min-max formula: the largest of all means that end, smallest of those that begin."""
+    """The max-min formula: over all starts before k, of the least mean over all ends after it."""
     count = len(values)
     means = np.array(
         [
@@ -48,7 +48,7 @@ def plain_isotonic(values, weights):
 
 
 @pytest.mark.parametrize('seed', range(8))
-def test_pooling_gives_the_rising_fit(seed):
+def test_pooling_gives_the_non_decreasing_fit(seed):
     rng = np.random.default_rng(seed)
     count = int(rng.integers(1, 30))
     values = np.round(rng.random(count) + 0.03 * np.arange(count) * (seed % 3), seed % 2 + 1)
@@ -57,7 +57,7 @@ def test_pooling_gives_the_rising_fit(seed):
     np.testing.assert_allclose(found, plain_isotonic(values, weights), atol=1e-12)
 
 
-def test_pooling_of_what_rises_and_of_what_falls():
+def test_pooling_of_increasing_and_of_decreasing_values():
     ones = np.ones(4)
     rising = np.array([0.1, 0.1, 0.4, 0.9])
     np.testing.assert_allclose(pool_adjacent_violators(rising, ones), rising)
@@ -66,11 +66,11 @@ def test_pooling_of_what_rises_and_of_what_falls():
 
 
 def made_up(people, joints=3, seed=0):
-    """Evidence with a known probability: the square root of the share."""
+    """Return data with a known probability: the square root of the vote fraction."""
     rng = np.random.default_rng(seed)
-    shares = rng.random((people, joints)).astype(np.float32)
-    near = (rng.random(shares.shape) < np.sqrt(shares)).astype(np.float32)
-    return Evidence(shares, near)
+    fractions = rng.random((people, joints)).astype(np.float32)
+    near = (rng.random(fractions.shape) < np.sqrt(fractions)).astype(np.float32)
+    return CalibrationData(fractions, near)
 
 
 def test_a_known_probability_is_found():
@@ -81,20 +81,20 @@ def test_a_known_probability_is_found():
 
 
 @pytest.mark.parametrize('people', [0, 1, 3, 300])
-def test_confidence_rises_and_is_never_certain(people):
+def test_confidence_does_not_decrease_and_is_never_certain(people):
     found = fit_calibration(made_up(people))
     assert (np.diff(found, axis=1) >= 0).all()
     assert found.min() > 0
     assert found.max() < 1
 
 
-def test_a_few_people_do_not_overrule_the_other_joints():
-    """Three misses of one joint say little against three hundred hits of the others."""
-    shares = np.full((300, 3), 0.6, np.float32)
-    near = np.ones_like(shares)
+def test_a_few_people_do_not_outweigh_the_other_joints():
+    """One joint has three misses, the others have three hundred hits."""
+    fractions = np.full((300, 3), 0.6, np.float32)
+    near = np.ones_like(fractions)
     near[:3, 0] = 0
     near[3:, 0] = np.nan
-    found = fit_calibration(Evidence(shares, near))
+    found = fit_calibration(CalibrationData(fractions, near))
     knot = round(0.6 * (KNOTS - 1))
     assert found[1, knot] > 0.97
     assert 0.3 < found[0, knot] < found[1, knot]
@@ -114,39 +114,39 @@ def test_the_other_joints_count_as_five_people():
     knot = round(0.6 * (KNOTS - 1))
     knots = KNOTS - knot  # pooled
     prior = (600 + 0.1 * knots) / (603 + 0.2 * knots)
-    found = fit_calibration(Evidence(fractions, near))
+    found = fit_calibration(CalibrationData(fractions, near))
     assert found[0, knot] == pytest.approx(5 * prior / (5 + 3), abs=1e-3)
 
 
-def test_what_is_not_labelled_does_not_count():
-    evidence = made_up(500)
-    more = Evidence(
-        np.concatenate([evidence.shares, np.full((50, 3), 0.9, np.float32)]),
-        np.concatenate([evidence.near, np.full((50, 3), np.nan, np.float32)]),
+def test_unlabelled_joints_do_not_count():
+    data = made_up(500)
+    more = CalibrationData(
+        np.concatenate([data.fractions, np.full((50, 3), 0.9, np.float32)]),
+        np.concatenate([data.near, np.full((50, 3), np.nan, np.float32)]),
     )
-    np.testing.assert_allclose(fit_calibration(more), fit_calibration(evidence))
+    np.testing.assert_allclose(fit_calibration(more), fit_calibration(data))
 
 
-def test_evidence_is_what_the_estimator_answers(small_model, people):
+def test_calibration_data_are_those_of_the_estimator(small_model, people):
     frame = people[40]
     settings = small_model.settings._replace(query_points=70)
     model = small_model._replace(settings=settings)
-    evidence = gather_evidence(model, labelled_people([frame], model.joints, settings))
+    data = gather_calibration_data(model, labelled_people([frame], model.joints, settings))
     stages = Estimator(model).estimate_body(frame.depth, frame.labels, frame.camera, 1)
     expected = vote_fractions(stages.joint_votes, stages.joints, settings.joint_bandwidth)
-    np.testing.assert_allclose(evidence.shares[0], expected, atol=1e-4)
+    np.testing.assert_allclose(data.fractions[0], expected, atol=1e-4)
     errors = np.linalg.norm(
         stages.joints - frame.ground_truth.positions[0, small_model.joints], axis=-1
     )
-    np.testing.assert_array_equal(evidence.near[0], errors <= 0.1)
+    np.testing.assert_array_equal(data.near[0], errors <= 0.1)
 
 
-def test_nobody_leaves_the_model_as_it_is(small_model):
+def test_without_people_the_model_is_unchanged(small_model):
     bare = small_model._replace(calibration=small_model.calibration[:0])
     assert calibrate(bare, []) is bare
 
 
-def test_calibrated_confidence_can_be_believed_with_strangers(small_model, easy):
+def test_calibrated_confidence_is_reliable_on_other_people(small_model, easy):
     def strangers(seed, frames):
         return list(synthetic_frames(easy._replace(frames=frames, seed=seed, clip_length=5)))
 
@@ -162,34 +162,34 @@ def test_calibrated_confidence_can_be_believed_with_strangers(small_model, easy)
     assert calibrated.brier < raw.brier
 
 
-@pytest.mark.parametrize('share', [0.0, 0.05, 0.1, 0.5])
+@pytest.mark.parametrize('fraction', [0.0, 0.05, 0.1, 0.5])
 @pytest.mark.parametrize('count', [0, 1, 9, 240, 3600, 3605])
-def test_stretches_are_held_out(count, share):
-    held = hold_out(count, share)
+def test_stretches_are_held_out(count, fraction):
+    held = held_out_mask(count, fraction)
     assert held.shape == (count,)
-    assert abs(held.sum() - share * count) <= 10
+    assert abs(held.sum() - fraction * count) <= 10
     begins = np.flatnonzero(np.diff(np.concatenate([[False], held]).astype(int)) == 1)
-    if share * count >= 20:
+    if fraction * count >= 20:
         assert len(begins) == 10
         assert np.diff(begins).min() >= count // 10 - 1
-    if share == 0:
+    if fraction == 0:
         assert not held.any()
 
 
-def test_those_held_out_are_not_learned_from(people, training):
+def test_held_out_people_are_not_in_the_training(people, training):
     def everybody():
         return labelled_people(people[:60], training.joints, training.settings)
 
-    samples, aside = split_samples(everybody(), None, 0.25)
-    held = hold_out(60, 0.25)
-    assert len(aside) == held.sum() > 0
+    samples, test = split_samples(everybody(), None, 0.25)
+    held = held_out_mask(60, 0.25)
+    assert len(test) == held.sum() > 0
     assert len(samples.scale) == (~held).sum()
     scales = np.array([person.scale for person in everybody()], np.float32)
     np.testing.assert_array_equal(samples.scale, scales[~held])
-    np.testing.assert_array_equal([np.float32(person.scale) for person in aside], scales[held])
+    np.testing.assert_array_equal([np.float32(person.scale) for person in test], scales[held])
 
 
-def test_training_calibrates_unless_it_is_told_not_to(people, training, small_model):
+def test_training_calibrates_if_people_are_held_out(people, training, small_model):
     assert small_model.calibration.shape == (len(training.joints), KNOTS)
     assert small_model.provenance['confidence learnt from'] == '10 people'
     model = train(people[:60], training._replace(hold_out=0.0), {})

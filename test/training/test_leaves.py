@@ -32,15 +32,15 @@ def clusters_twin(offsets, bandwidth, wanted):
     """Mean-shift from every offset, then groups of arrivals, the largest first."""
     offsets = offsets.astype(float)
     centres, sizes = [], []
-    for place in offsets:
+    for position in offsets:
         for _ in range(500):
-            pull = np.exp(-((offsets - place) ** 2).sum(axis=1) / bandwidth**2)
-            place = (pull[:, None] * offsets).sum(axis=0) / pull.sum()  # noqa: PLW2901
-        near = [k for k, c in enumerate(centres) if np.linalg.norm(c - place) <= bandwidth / 2]
+            pull = np.exp(-((offsets - position) ** 2).sum(axis=1) / bandwidth**2)
+            position = (pull[:, None] * offsets).sum(axis=0) / pull.sum()  # noqa: PLW2901
+        near = [k for k, c in enumerate(centres) if np.linalg.norm(c - position) <= bandwidth / 2]
         if near:
             sizes[near[0]] += 1
         else:
-            centres.append(place)
+            centres.append(position)
             sizes.append(1)
     order = sorted(range(len(sizes)), key=lambda k: -sizes[k])[:wanted]
     return np.array(centres)[order], np.array(sizes)[order]
@@ -111,7 +111,7 @@ def test_pair_votes_are_limbs_in_units_of_rho_bar():
     assert len(fit_pair_votes(samples, tree, edges, near).target) == 0
 
 
-def test_a_weight_is_the_share_of_the_leaf_and_unlabelled_joints_have_none():
+def test_weight_is_the_fraction_of_the_leaf_and_unlabelled_joints_have_none():
     samples, tree = two_leaves()
     samples.joints[0, 0] = np.nan  # one person of three
     votes = fit_joint_votes(samples, tree, SETTINGS)
@@ -127,8 +127,8 @@ def test_small_clusters_of_pairs_are_not_kept():
     samples = samples._replace(joints=joints)
     edges = np.array([[0, 1]], np.int32)
     kept = {
-        share: fit_pair_votes(samples, tree, edges, SETTINGS._replace(pair_fraction=share))
-        for share in (0.0, 0.3, 0.4)
+        fraction: fit_pair_votes(samples, tree, edges, SETTINGS._replace(pair_fraction=fraction))
+        for fraction in (0.0, 0.3, 0.4)
     }
     np.testing.assert_allclose(kept[0.0].weight[:2], [2 / 3, 1 / 3], atol=1e-6)
     for ours, expected in zip(kept[0.3], kept[0.0], strict=True):
@@ -143,8 +143,8 @@ def test_small_clusters_of_joints_are_not_kept():
     joints[2, 0] = (0, 0.2, 0)  # the third person's joint lies elsewhere: a third of its leaf
     samples = samples._replace(joints=joints)
     kept = {
-        share: fit_joint_votes(samples, tree, SETTINGS._replace(joint_fraction=share))
-        for share in (0.0, 0.3, 0.4)
+        fraction: fit_joint_votes(samples, tree, SETTINGS._replace(joint_fraction=fraction))
+        for fraction in (0.0, 0.3, 0.4)
     }
     np.testing.assert_allclose(kept[0.0].weight[:2], [2 / 3, 1 / 3], atol=1e-6)
     for ours, expected in zip(kept[0.3], kept[0.0], strict=True):

@@ -27,11 +27,11 @@ from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.synthetic.generator import synthetic_frames
 from lsc_pose_ros.training.criterion import offset_moments
 from lsc_pose_ros.training.samples import (
-    Person,
+    LabelledPerson,
     gather_samples,
     labelled_people,
-    most_samples,
-    people_in,
+    labelled_people_in,
+    sample_limit,
     select_joints,
 )
 from lsc_pose_ros.training.train import GIBIBYTE, TrainingSettings, limb_lengths, train
@@ -39,7 +39,7 @@ from lsc_pose_ros.training.train import GIBIBYTE, TrainingSettings, limb_lengths
 
 @pytest.fixture(scope='module')
 def strangers(easy):
-    """People that the model has not seen."""
+    """People that are not in the training."""
     return list(synthetic_frames(easy._replace(frames=40, seed=77, clip_length=8)))
 
 
@@ -63,7 +63,7 @@ def samples_of(frames, training):
     return gather_samples(
         person
         for frame in frames
-        for person in people_in(frame, training.joints, training.settings)
+        for person in labelled_people_in(frame, training.joints, training.settings)
     )
 
 
@@ -116,7 +116,7 @@ def test_nobody_to_learn_from_is_an_input_error(people, training, change):
 
 
 def test_unlabelled_joints_do_not_hurt(people, training):
-    """Every third person lacks an elbow; the others teach it."""
+    """An elbow of every third person is not labelled; it is learnt from the others."""
     elbow = 5
     frames = []
     for number, frame in enumerate(people[:60]):
@@ -176,9 +176,9 @@ def test_frames_without_labels_cannot_be_evaluated(small_model, strangers):
 
 
 def crowd(count, points=64):
-    """People whose points and descriptors tell who they are, made one by one."""
+    """Yield people whose points and descriptors identify them."""
     for number in range(count):
-        yield Person(
+        yield LabelledPerson(
             np.full((points, 360), number % 256, np.uint8),
             np.arange(3.0 * points, dtype=np.float32).reshape(points, 3),
             np.full((2, 3), number, np.float32),
@@ -213,8 +213,8 @@ def test_memory_does_not_grow_with_the_recording():
 
 
 def bytes_per_sample(joints):
-    """The memory that `most_samples` reserves for one more sample."""
-    most, less = (most_samples(memory, joints, 360) for memory in (2e12, 1e12))
+    """The memory that `sample_limit` reserves for one more sample."""
+    most, less = (sample_limit(memory, joints, 360) for memory in (2e12, 1e12))
     return 1e12 / (most - less)
 
 
@@ -230,6 +230,6 @@ def test_memory_is_reserved_for_the_offsets_to_the_joints_in_reach(people):
 
 
 def test_more_memory_holds_more_samples():
-    assert most_samples(8 * GIBIBYTE, 17, 360) > 20_000 * 400
-    assert most_samples(GIBIBYTE, 17, 360) < 1_000_000
-    assert most_samples(0, 17, 360) == 1
+    assert sample_limit(8 * GIBIBYTE, 17, 360) > 20_000 * 400
+    assert sample_limit(GIBIBYTE, 17, 360) < 1_000_000
+    assert sample_limit(0, 17, 360) == 1

@@ -20,19 +20,19 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.training.criterion import (
-    Evidence,
-    add_up,
+    JointStatistics,
+    add_statistics,
     contributions,
     cost_of,
-    evidence_of,
     offset_moments,
+    select_statistics,
 )
 from lsc_pose_ros.training.splitter import partition, try_feature
 from lsc_pose_ros.training.tree_growth import BRANCH_SAMPLES, GrowthSettings, find_split, grow_tree
 
 
 def contributions_twin(points, person, joints):
-    """Equation 10, sample by sample."""
+    """Compute equation 10 sample by sample."""
     result = np.zeros((len(points), joints.shape[1]))
     for s, point in enumerate(points.astype(float)):
         for j, joint in enumerate(joints[person[s]]):
@@ -56,19 +56,19 @@ def offset_moments_twin(points, person, joints, reach):
     return result
 
 
-def dense(evidence):
-    """Return evidence as one array, shape (S, J, numbers a joint)."""
-    result = np.zeros((len(evidence.start) - 1, *evidence.nothing.shape))
+def dense(statistics):
+    """Return statistics as one array, shape (S, J, 4) or (S, J, 1)."""
+    result = np.zeros((len(statistics.start) - 1, *statistics.zeros.shape))
     for s in range(len(result)):
-        some = slice(evidence.start[s], evidence.start[s + 1])
-        result[s, evidence.joint[some]] = evidence.value[some]
+        some = slice(statistics.start[s], statistics.start[s + 1])
+        result[s, statistics.joint[some]] = statistics.value[some]
     return result
 
 
 def sparse(values):
-    """Return evidence from an array of that shape; zeros are left out."""
+    """Return statistics from an array of that shape; zeros are left out."""
     said = (values != 0).any(axis=2)
-    return Evidence(
+    return JointStatistics(
         np.concatenate([[0], np.cumsum(said.sum(axis=1))]),
         np.nonzero(said)[1].astype(np.uint8),
         values[said].astype(np.float32),
@@ -89,9 +89,9 @@ def squares_about_the_mean(offsets, weights):
 
 def weighted_entropy(weights):
     """|S| H(S) of equation 9, in bits."""
-    shares = weights.astype(float).sum(axis=0) / max(len(weights), 1)
-    shares = shares[shares > 0]
-    return -len(weights) * float((shares * np.log2(shares)).sum())
+    fractions = weights.astype(float).sum(axis=0) / max(len(weights), 1)
+    fractions = fractions[fractions > 0]
+    return -len(weights) * float((fractions * np.log2(fractions)).sum())
 
 
 def random_samples(seed, count=300, joints=4, quantised=30):
@@ -130,17 +130,17 @@ def test_offset_moments(reach):
 
 
 @pytest.mark.parametrize('numbers', [1, 4])
-def test_evidence_of_some_samples(numbers):
+def test_statistics_of_some_samples(numbers):
     rng = np.random.default_rng(numbers)
     values = rng.random((50, 3, numbers)) * (rng.random((50, 3, 1)) < 0.5)
     members = rng.permutation(50)[:20].astype(np.int32)
-    some = evidence_of(sparse(values), members)
+    some = select_statistics(sparse(values), members)
     np.testing.assert_allclose(dense(some), values[members], rtol=1e-6)
     sums = np.zeros((3, numbers), np.float32)
     for sample in range(20):
-        add_up(sums, some, sample)
+        add_statistics(sums, some, sample)
     np.testing.assert_allclose(sums, values[members].sum(axis=0), rtol=1e-5)
-    assert len(evidence_of(some, members[:0]).joint) == 0
+    assert len(select_statistics(some, members[:0]).joint) == 0
 
 
 @pytest.mark.parametrize('seed', range(3))
@@ -166,7 +166,7 @@ def test_spread_differs_from_the_squares_about_the_mean_by_what_no_split_changes
         assert found + unchanged == pytest.approx(expected, abs=1e-4)
 
 
-def test_a_set_that_says_nothing_costs_nothing():
+def test_a_set_without_statistics_costs_nothing():
     assert cost_of(np.zeros((4, 4), np.float32), 7) == 0
     assert cost_of(np.zeros((4, 1), np.float32), 7) == 0
 
@@ -178,8 +178,8 @@ def test_the_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
     rng = np.random.default_rng(seed)
     members = rng.permutation(300)[:200].astype(np.int32)
     draws = rng.random(12)
-    evidence = evidence_of(sparse(weights[..., None]), members)
-    cost, threshold = try_feature(quantised[5], evidence, members, draws, leaf_samples)
+    statistics = select_statistics(sparse(weights[..., None]), members)
+    cost, threshold = try_feature(quantised[5], statistics, members, draws, leaf_samples)
     mine = quantised[5][members]
     costs = {}
     for draw in draws:
@@ -196,10 +196,10 @@ def test_the_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
 
 
 def test_a_feature_that_is_the_same_everywhere_splits_nothing():
-    evidence = sparse(np.full((50, 3, 1), 1 / 3))
+    statistics = sparse(np.full((50, 3, 1), 1 / 3))
     quantised = np.full(50, 9, np.uint8)
     cost, _ = try_feature(
-        quantised, evidence, np.arange(50, dtype=np.int32), np.array([0.1, 0.9]), 1
+        quantised, statistics, np.arange(50, dtype=np.int32), np.array([0.1, 0.9]), 1
     )
     assert cost == np.inf
 
@@ -223,7 +223,7 @@ def test_the_feature_that_separates_is_found_among_those_drawn():
 
 @pytest.mark.parametrize('size', [1, 5, 60, 1000])
 def test_trees_grow_on_any_number_of_features(size):
-    """On fewer features than a node may try, too, and on more than a descriptor's bins."""
+    """The number may be below that of tried features, or above that of a descriptor's bins."""
     rng = np.random.default_rng(size)
     weights = rng.dirichlet(np.ones(4), BRANCH_SAMPLES + 500).astype(np.float32)
     quantised = rng.integers(0, 256, (size, len(weights)), np.uint8)
@@ -233,17 +233,17 @@ def test_trees_grow_on_any_number_of_features(size):
     assert len(used) > min(size, 40) / 2
 
 
-def test_spread_finds_the_feature_that_tells_where_a_joint_is():
-    """Every sample is as near to the joint as the others, on one side or the other."""
+def test_spread_finds_the_feature_that_depends_on_a_joint():
+    """All samples are at the same distance from the joint, on either side of it."""
     quantised, _ = random_samples(0, 300)
     quantised[77] = np.where(np.arange(300) % 2, 200, 10)
     points = np.zeros((300, 3), np.float32)
     points[:, 0] = np.where(np.arange(300) % 2, 0.2, -0.2)
     joints = np.zeros((1, 1, 3), np.float32)
-    evidence = offset_moments(points, np.zeros(300, np.int32), joints, 0.5)
+    statistics = offset_moments(points, np.zeros(300, np.int32), joints, 0.5)
     members = np.arange(300, dtype=np.int32)
     settings = GrowthSettings(features=360)
-    split = find_split(quantised, evidence, members, settings, np.random.default_rng(0))
+    split = find_split(quantised, statistics, members, settings, np.random.default_rng(0))
     assert split.feature == 77
 
 
@@ -257,20 +257,20 @@ def test_partition_keeps_orders():
     np.testing.assert_array_equal(members, [*before[low], *before[~low]])
 
 
-@pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])  # by find_split, and in a branch
+@pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])  # by find_split, or in a branch
 @pytest.mark.parametrize('always', [1, 2])
 def test_the_last_features_are_tried_at_every_node(always, branch, monkeypatch):
-    """Only they tell the samples apart, and of 300 others a node tries one."""
+    """Only they separate the samples; a node tries one of 300 others."""
     monkeypatch.setattr('lsc_pose_ros.training.tree_growth.BRANCH_SAMPLES', branch)
     rng = np.random.default_rng(always)
     corner = rng.integers(0, 4, 1600)
     quantised = rng.integers(0, 256, (302, 1600)).astype(np.uint8)
-    # Which of two halves, and which half of that; with one feature, it tells both.
+    # The first bit and the second bit of the group; a single feature has both.
     quantised[-1] = 60 * corner if always == 1 else 100 * (corner // 2)
     quantised[-2] = 100 * (corner % 2) if always == 2 else 0
-    evidence = sparse(np.eye(4)[corner][..., None])
+    statistics = sparse(np.eye(4)[corner][..., None])
     settings = GrowthSettings(depth=2, features=1, always=always)
-    tree = grow_tree(quantised, evidence, settings, np.random.default_rng(0))
+    tree = grow_tree(quantised, statistics, settings, np.random.default_rng(0))
     assert set(tree.feature.tolist()) == {-1, *range(302 - always, 302)}
     corners = [set(corner[leaf]) for leaf in np.split(tree.order, tree.leaf_start[1:-1])]
     assert sorted(corners) == [{0}, {1}, {2}, {3}]
@@ -281,7 +281,7 @@ def test_beside_the_last_features_others_are_drawn(branch, monkeypatch):
     monkeypatch.setattr('lsc_pose_ros.training.tree_growth.BRANCH_SAMPLES', branch)
     rng = np.random.default_rng(0)
     quantised, weights = random_samples(0, 2000)
-    quantised[-2:] = 7  # of no use
+    quantised[-2:] = 7  # constant, so they split nothing
     settings = GrowthSettings(features=3, leaf_samples=10, always=2)
     tree = grow_tree(quantised, sparse(weights[..., None]), settings, rng)
     used = np.unique(tree.feature[tree.feature >= 0])
@@ -302,7 +302,7 @@ def test_all_features_can_be_tried_always(branch, monkeypatch):
 
 
 def walk(tree, node=0, depth=0):
-    """Yield each leaf's number with its depth."""
+    """Yield the number and the depth of each leaf."""
     if tree.feature[node] < 0:
         yield int(tree.left[node]), depth
     else:
@@ -311,7 +311,7 @@ def walk(tree, node=0, depth=0):
 
 
 @pytest.mark.parametrize('settings', [GrowthSettings(depth=4), GrowthSettings(leaf_samples=7)])
-@pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])  # with a trunk, and all one branch
+@pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])  # with a trunk, or in one branch
 def test_a_tree_sorts_every_sample_into_the_leaf_that_its_splits_lead_to(
     settings, branch, monkeypatch
 ):

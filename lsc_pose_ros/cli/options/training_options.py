@@ -28,7 +28,7 @@ from lsc_pose_ros.cli.options.numbers import (
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.settings import FEATURES, SAMPLES
-from lsc_pose_ros.training.body_yaw_training import BODY_YAWS
+from lsc_pose_ros.training.body_yaw_labels import BODY_YAWS
 from lsc_pose_ros.training.criterion import CRITERIA
 from lsc_pose_ros.training.train import GIBIBYTE, TrainingSettings
 

@@ -35,8 +35,8 @@ from lsc_pose_ros.pose.inference.density import VoteCloud
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.stages import joint_stages, run_stages
 from lsc_pose_ros.synthetic.generator import synthetic_frames
-from lsc_pose_ros.training.body_yaw_training import people_facing
-from lsc_pose_ros.training.samples import Person, labelled_people
+from lsc_pose_ros.training.body_yaw_labels import body_yaws_of_people
+from lsc_pose_ros.training.samples import LabelledPerson, labelled_people
 
 BANDWIDTH = 0.07
 
@@ -176,7 +176,7 @@ def apart(one: np.ndarray | float, two: np.ndarray | float) -> np.ndarray:
     return np.degrees(np.abs(np.angle(np.exp(1j * (np.asarray(one) - two)))))
 
 
-def person_of(person: Person, which: np.ndarray | None = None) -> tuple:
+def person_of(person: LabelledPerson, which: np.ndarray | None = None) -> tuple:
     """Return what the search asks for: points in metres, descriptors, rho_bar."""
     which = np.arange(len(person.points)) if which is None else which
     points = person.points[which] * np.float32(person.scale)
@@ -184,7 +184,7 @@ def person_of(person: Person, which: np.ndarray | None = None) -> tuple:
 
 
 @pytest.fixture(scope='module')
-def strangers(all_round, body_yaw_model) -> list[Person]:
+def strangers(all_round, body_yaw_model) -> list[LabelledPerson]:
     """People from all sides whom the model has not seen."""
     frames = synthetic_frames(all_round._replace(frames=150, seed=77, clip_length=1))
     return list(labelled_people(frames, body_yaw_model.joints, body_yaw_model.settings))
@@ -222,7 +222,7 @@ def votes_twin(model: Model, leaves: np.ndarray, points: np.ndarray, scale: floa
 
 @pytest.mark.parametrize('body_yaw', [-2.0, 0.0, 3.1])
 def test_the_votes_that_agree_are_those_of_a_forest_that_is_told(
-    body_yaw: float, body_yaw_model: Model, strangers: list[Person]
+    body_yaw: float, body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     for person in strangers[:3]:
         points, quantised, scale = person_of(person)
@@ -235,7 +235,7 @@ def test_the_votes_that_agree_are_those_of_a_forest_that_is_told(
 
 @pytest.mark.parametrize('count', [1, 2, 5, 8])
 def test_few_points_choose_the_direction_on_which_their_votes_agree_most(
-    count: int, body_yaw_model: Model, strangers: list[Person]
+    count: int, body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     model, directions = body_yaws(body_yaw_model, count), body_yaws_around(count)
     for person in strangers[:20]:
@@ -248,7 +248,7 @@ def test_few_points_choose_the_direction_on_which_their_votes_agree_most(
 
 
 def test_all_points_choose_among_the_best_directions_of_a_few(
-    body_yaw_model: Model, strangers: list[Person], found: np.ndarray
+    body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     directions = body_yaws_around(8)
     best = 0
@@ -262,20 +262,20 @@ def test_all_points_choose_among_the_best_directions_of_a_few(
 
 
 def test_strangers_are_found_to_face_where_they_do(
-    body_yaw_model: Model, strangers: list[Person], found: np.ndarray
+    body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     joints = np.stack([person.joints for person in strangers])
-    off = apart(found, people_facing(joints, body_yaw_model.joints))
+    off = apart(found, body_yaws_of_people(joints, body_yaw_model.joints))
     assert (off < 90).mean() > 0.8
     assert (off < 45).mean() > 0.72
     assert np.median(off) < 22
 
 
 def test_thirty_points_tell_where_most_strangers_face(
-    body_yaw_model: Model, strangers: list[Person]
+    body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     joints = np.stack([person.joints for person in strangers])
-    ground_truth = people_facing(joints, body_yaw_model.joints)
+    ground_truth = body_yaws_of_people(joints, body_yaw_model.joints)
     found = [
         find_body_yaw(body_yaw_model, *person_of(each, np.arange(0, len(each.points), 5)))
         for each in strangers
@@ -285,7 +285,7 @@ def test_thirty_points_tell_where_most_strangers_face(
 
 def test_the_order_of_the_directions_does_not_matter(
     body_yaw_model: Model,
-    strangers: list[Person],
+    strangers: list[LabelledPerson],
     found: np.ndarray,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -300,7 +300,7 @@ def test_the_order_of_the_directions_does_not_matter(
 
 
 def test_other_directions_lead_to_the_same_answer_for_most(
-    body_yaw_model: Model, strangers: list[Person], found: np.ndarray
+    body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     model = body_yaws(body_yaw_model, 9)
     again = [find_body_yaw(model, *person_of(each)) for each in strangers]
@@ -308,7 +308,7 @@ def test_other_directions_lead_to_the_same_answer_for_most(
 
 
 def test_the_order_of_the_points_does_not_matter_much(
-    body_yaw_model: Model, strangers: list[Person], found: np.ndarray
+    body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     rng = np.random.default_rng(0)
     again = [
@@ -319,7 +319,7 @@ def test_the_order_of_the_points_does_not_matter_much(
 
 
 def test_the_leaves_are_those_of_the_descriptors_with_the_body_yaw_if_the_trees_split_by_it(
-    small_model: Model, people: list, body_yaw_model: Model, strangers: list[Person]
+    small_model: Model, people: list, body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     known = list(labelled_people(people[:5], small_model.joints, small_model.settings))
     for model, persons in ((small_model, known), (body_yaw_model, strangers[:5])):

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Labelled frames drawn at random from recordings, held in little memory."""
+"""Random samples of labelled frames of recordings, in compressed form."""
 
 import heapq
 import zlib
@@ -27,76 +27,76 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.evaluation.encoded_frame import EncodedFrame, decode_frame, encode_frame
 
-# Most of a depth image is background: the quickest compression leaves a tenth of it.
+# Most of a depth image is background, so the fastest compression leaves a tenth of it.
 _LEVEL = 1
 
 
-class DrawnFrame(NamedTuple):
-    """A labelled frame and the random number that decides when its turn is.
+class SampledFrame(NamedTuple):
+    """A labelled frame and its random rank.
 
     Attributes:
-        turn: from 0 to 1; the frames with the smallest ones are taken.
-        encoded: the images, their bytes compressed.
+        rank: from 0 to 1; the frames with the lowest ranks are taken.
+        encoded: the compressed images.
         ground_truth: the labels.
     """
 
-    turn: float
+    rank: float
     encoded: EncodedFrame
     ground_truth: Skeletons
 
 
-class Draw(NamedTuple):
-    """What is drawn from one recording.
+class FrameSample(NamedTuple):
+    """A random sample of the frames of one recording.
 
     Attributes:
-        frames: in the order of their turns.
-        labelled: how many labelled frames the recording has.
+        frames: ascending by rank.
+        labelled: number of labelled frames of the recording.
     """
 
-    frames: list[DrawnFrame]
+    frames: list[SampledFrame]
     labelled: int
 
 
-def draw_frames(frames: Iterable[Frame], wanted: int, seed: Sequence[int]) -> Draw:
-    """Return `wanted` of the labelled `frames` at random, or all where there are fewer.
+def sample_frames(frames: Iterable[Frame], wanted: int, seed: Sequence[int]) -> FrameSample:
+    """Return a random sample of the labelled `frames`.
 
-    Every labelled frame gets a turn, and those with the first turns are kept. So a smaller draw
-    is the beginning of a larger one, and draws from several recordings, merged by their turns, are
-    a draw from all of them together.
+    Each labelled frame gets a random rank, and those with the lowest ranks are kept. So a smaller
+    sample is the beginning of a larger one, and samples of several recordings, merged by rank, are
+    a sample of all of them.
 
     Args:
-        frames: of one recording; only as many are held as are wanted.
-        wanted: how many.
-        seed: of the turns.
+        frames: the frames of one recording; only `wanted` of them are in memory.
+        wanted: size of the sample; all frames are kept if there are fewer.
+        seed: seed of the ranks.
     """
     rng = np.random.default_rng(seed)
-    heap: list[tuple[float, int, DrawnFrame]] = []
+    heap: list[tuple[float, int, SampledFrame]] = []
     labelled = 0
     for number, frame in enumerate(frames):
         ground_truth = frame.ground_truth
         if ground_truth is None or not np.isfinite(ground_truth.positions).any():
             continue
         labelled += 1
-        turn = float(rng.random())
-        if len(heap) == wanted and (not heap or -turn <= heap[0][0]):
+        rank = float(rng.random())
+        if len(heap) == wanted and (not heap or -rank <= heap[0][0]):
             continue
-        # The heap's first entry is the one with the last turn, the next to be dropped.
-        entry = -turn, number, DrawnFrame(turn, _smaller(frame), ground_truth)
+        # The first entry of the heap has the highest rank, and is dropped next.
+        entry = -rank, number, SampledFrame(rank, _smaller(frame), ground_truth)
         if len(heap) < wanted:
             heapq.heappush(heap, entry)
         else:
             heapq.heapreplace(heap, entry)
-    return Draw([kept for _, _, kept in sorted(heap, reverse=True)], labelled)
+    return FrameSample([kept for _, _, kept in sorted(heap, reverse=True)], labelled)
 
 
-def merge(draws: Iterable[Draw]) -> list[DrawnFrame]:
-    """Return the frames of several draws in the order of their turns."""
-    return list(heapq.merge(*(draw.frames for draw in draws), key=lambda frame: frame.turn))
+def merge(draws: Iterable[FrameSample]) -> list[SampledFrame]:
+    """Return the frames of several samples, ascending by rank."""
+    return list(heapq.merge(*(draw.frames for draw in draws), key=lambda frame: frame.rank))
 
 
-def restore(drawn: Iterable[DrawnFrame]) -> Iterator[Frame]:
-    """Yield the frames themselves; their stamps count from 0."""
-    for number, (_turn, encoded, ground_truth) in enumerate(drawn):
+def decode_frames(drawn: Iterable[SampledFrame]) -> Iterator[Frame]:
+    """Yield the decoded frames; their stamps count from 0."""
+    for number, (_rank, encoded, ground_truth) in enumerate(drawn):
         whole = encoded._replace(
             depth=_decompressed(encoded.depth), mask=_decompressed(encoded.mask)
         )

@@ -13,44 +13,46 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Frames drawn at random."""
+"""Random samples of frames."""
 
 import numpy as np
 import pytest
-from lsc_pose_experiments.drawn_frames import draw_frames, merge, restore
+from lsc_pose_experiments.sampled_frames import decode_frames, merge, sample_frames
 
 
 def stamps(drawn, frames):
-    """Return which of `frames` were drawn, by the true joints."""
+    """Return the indices of the sampled `frames`, found by their ground truth."""
     known = {frame.ground_truth.positions.tobytes(): frame.stamp for frame in frames}
     return [known[each.ground_truth.positions.tobytes()] for each in drawn]
 
 
-def test_a_smaller_draw_is_the_beginning_of_a_larger_one(people):
-    all_of_them = draw_frames(people, 1000, (3, 1))
+def test_smaller_sample_is_the_beginning_of_a_larger_one(people):
+    all_of_them = sample_frames(people, 1000, (3, 1))
     assert sorted(stamps(all_of_them.frames, people)) == [frame.stamp for frame in people]
     assert stamps(all_of_them.frames, people) != [frame.stamp for frame in people]
     for wanted in (0, 1, 7, 239, 240):
-        some = draw_frames(people, wanted, (3, 1))
+        some = sample_frames(people, wanted, (3, 1))
         assert stamps(some.frames, people) == stamps(all_of_them.frames, people)[:wanted]
         assert some.labelled == 240
-    other = draw_frames(people, 7, (4, 1))
+    other = sample_frames(people, 7, (4, 1))
     assert stamps(other.frames, people) != stamps(all_of_them.frames, people)[:7]
 
 
-def test_draws_are_merged_by_their_turns(people):
-    first, second = (draw_frames(people[k : k + 100], 30, (0, k)) for k in (0, 100))
+def test_samples_are_merged_by_rank(people):
+    first, second = (sample_frames(people[k : k + 100], 30, (0, k)) for k in (0, 100))
     merged = merge([first, second])
-    turns = [each.turn for each in merged]
+    turns = [each.rank for each in merged]
     assert turns == sorted(turns)
     assert len(merged) == 60
 
 
-def test_what_is_drawn_comes_back_as_it_was(people, simple_frames):
+def test_sampled_frames_are_lossless(people, simple_frames):
     for frames in (people[:4], simple_frames[:2]):
-        draw = draw_frames(frames, 2, (0,))
+        draw = sample_frames(frames, 2, (0,))
         chosen = {frame.stamp: frame for frame in frames}
-        for stamp, found in zip(stamps(draw.frames, frames), restore(draw.frames), strict=True):
+        for stamp, found in zip(
+            stamps(draw.frames, frames), decode_frames(draw.frames), strict=True
+        ):
             frame = chosen[stamp]
             np.testing.assert_allclose(found.depth, frame.depth, atol=1e-6)
             np.testing.assert_array_equal(found.labels, frame.labels)
@@ -60,7 +62,7 @@ def test_what_is_drawn_comes_back_as_it_was(people, simple_frames):
             )
 
 
-def test_frames_without_labels_are_passed_over(people):
+def test_frames_without_labels_are_skipped(people):
     ground_truth = people[1].ground_truth
     nobody = ground_truth._replace(positions=np.full_like(ground_truth.positions, np.nan))
     frames = [
@@ -68,15 +70,15 @@ def test_frames_without_labels_are_passed_over(people):
         people[1]._replace(ground_truth=nobody),
         people[2],
     ]
-    draw = draw_frames(frames, 3, (0,))
+    draw = sample_frames(frames, 3, (0,))
     assert draw.labelled == 1
     assert stamps(draw.frames, people) == [people[2].stamp]
 
 
-def test_every_frame_is_as_likely_as_another(people):
+def test_all_frames_are_equally_likely(people):
     frames = people[:20]
     counts = dict.fromkeys((frame.stamp for frame in frames), 0)
     for seed in range(200):
-        for stamp in stamps(draw_frames(frames, 5, (seed,)).frames, frames):
+        for stamp in stamps(sample_frames(frames, 5, (seed,)).frames, frames):
             counts[stamp] += 1
     assert list(counts.values()) == pytest.approx([50] * 20, abs=25)

@@ -23,7 +23,7 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, summarise
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.synthetic.generator import synthetic_frames
-from lsc_pose_ros.training.body_yaw_training import people_facing, tell_body_yaw
+from lsc_pose_ros.training.body_yaw_labels import body_yaws_of_people, write_body_yaws
 from lsc_pose_ros.training.samples import Samples
 from lsc_pose_ros.training.train import train
 from lsc_pose_ros.training.tree_growth import Tree, join_trees
@@ -43,54 +43,54 @@ def skeleton(degrees, lean=0.0):
 
 
 def apart(one, two):
-    """Return how far directions are from each other, radians."""
+    """Return the angles between directions, radians."""
     return np.abs(np.angle(np.exp(1j * (np.asarray(one) - two))))
 
 
-def test_where_skeletons_face():
+def test_body_yaw_of_skeletons():
     degrees = np.array([0, 30, 90, -90, 135, 179, 180, -179, -60])
     joints = np.stack([skeleton(each) for each in degrees])
-    found = people_facing(joints, NUMBERS)
+    found = body_yaws_of_people(joints, NUMBERS)
     assert found.shape == degrees.shape
     assert apart(found, np.radians(degrees)).max() < 1e-5
-    other_unit = people_facing(joints / np.float32(0.7), NUMBERS)
+    other_unit = body_yaws_of_people(joints / np.float32(0.7), NUMBERS)
     assert apart(found, other_unit).max() < 1e-5
 
 
 @pytest.mark.parametrize('degrees', [0, 100, 170, -150])
-def test_shoulders_and_hips_count_alike(degrees):
-    found = people_facing(skeleton(degrees, lean=40.0)[None], NUMBERS)
+def test_shoulders_and_hips_have_the_same_weight(degrees):
+    found = body_yaws_of_people(skeleton(degrees, lean=40.0)[None], NUMBERS)
     assert apart(found, np.radians(degrees + 20.0))[0] < 0.01
 
 
 @pytest.mark.parametrize('joint', range(len(NAMES)))
-def test_who_lacks_a_shoulder_or_a_hip_faces_nowhere(joint):
+def test_body_yaw_is_unknown_without_a_shoulder_or_a_hip(joint):
     joints = np.stack([skeleton(0), skeleton(90)])
     joints[0, joint] = np.nan
-    found = people_facing(joints, NUMBERS)
+    found = body_yaws_of_people(joints, NUMBERS)
     assert np.isnan(found[0]) == (NAMES[joint] != 'head')
     assert np.isfinite(found[1])
 
 
 def test_missing_joints_are_named(people, training):
     few = numbers_of(['head', 'l_shoulder', 'l_hip', 'r_hip'])
-    with pytest.raises(InputError, match=r'also learn r_shoulder, or leave out --facing'):
-        people_facing(np.zeros((2, 4, 3), np.float32), few)
+    with pytest.raises(InputError, match=r'also learn r_shoulder, or leave out --body-yaw'):
+        body_yaws_of_people(np.zeros((2, 4, 3), np.float32), few)
     none = numbers_of(['head', 'l_knee'])
-    told = training._replace(joints=none, settings=training.settings._replace(body_yaws=8))
+    changed = training._replace(joints=none, settings=training.settings._replace(body_yaws=8))
     before = iter(people)
     with pytest.raises(InputError, match=r'learn l_shoulder, r_shoulder, l_hip, r_hip, or'):
-        train(before, told, {})
-    assert next(before) is people[0]  # that it cannot be is said before all is read
+        train(before, changed, {})
+    assert next(before) is people[0]  # it fails before the frames are read
 
 
 POINTS = 30
 
 
 def made_up(count, seed, unknown=0):
-    """Return samples of people of whom two noisy levels reveal where they face, and that.
+    """Return samples of people with two features that depend on the body yaw, and the body yaws.
 
-    The last two rows are free; of the last `unknown` people a hip is not labelled.
+    The last two rows are spare; a hip of the last `unknown` people is not labelled.
     """
     rng = np.random.default_rng(seed)
     body_yaw = rng.uniform(-np.pi, np.pi, count)
@@ -99,8 +99,8 @@ def made_up(count, seed, unknown=0):
     person = np.repeat(np.arange(count, dtype=np.int32), POINTS)
     quantised = rng.integers(0, 256, (12, count * POINTS))
     quantised[-2:] = 0
-    told = np.stack([np.cos(body_yaw), np.sin(body_yaw)])[:, person]
-    quantised[4:6] = 127.5 + 80 * told + rng.normal(0, 15, told.shape)
+    features = np.stack([np.cos(body_yaw), np.sin(body_yaw)])[:, person]
+    quantised[4:6] = 127.5 + 80 * features + rng.normal(0, 15, features.shape)
     samples = Samples(
         quantised.astype(np.uint8),
         rng.normal(0, 0.5, (count * POINTS, 3)).astype(np.float32),
@@ -112,44 +112,44 @@ def made_up(count, seed, unknown=0):
 
 
 @pytest.mark.filterwarnings('error')
-def test_the_free_rows_tell_where_people_face_a_little_off():
+def test_spare_rows_are_noisy_body_yaws():
     samples, body_yaw = made_up(400, 2, unknown=150)
     before = samples.quantised.copy()
-    tell_body_yaw(samples, NUMBERS, 0)
+    write_body_yaws(samples, NUMBERS, 0)
     np.testing.assert_array_equal(samples.quantised[:-2], before[:-2])
     rows = samples.quantised[-2:].reshape(2, 400, POINTS)
-    assert (rows == rows[..., :1]).all()  # all points of a person are told the same
+    assert (rows == rows[..., :1]).all()  # all points of a person have the same yaw
     cosine, sine = rows[..., 0] - 127.5
     np.testing.assert_allclose(np.hypot(cosine, sine), 127, atol=1)
-    told = np.arctan2(sine, cosine)
-    off = np.angle(np.exp(1j * (told - body_yaw)))[:250]
-    # As far off as a direction of which the next are 45 degrees away is thought to be.
+    written = np.arctan2(sine, cosine)
+    off = np.angle(np.exp(1j * (written - body_yaw)))[:250]
+    # The estimator tries yaws that are 45 degrees apart.
     assert np.degrees(off.std()) == pytest.approx(12, rel=0.2)
     assert abs(off.mean()) < np.radians(3)
-    # Of whom it is not known, anything is told.
-    eighths = ((told[250:] + np.pi) * 4 / np.pi).astype(int) % 8
+    # An unknown yaw is random.
+    eighths = ((written[250:] + np.pi) * 4 / np.pi).astype(int) % 8
     assert np.bincount(eighths, minlength=8).min() > 5
 
 
-def test_telling_is_repeatable_and_the_seed_matters():
+def test_body_yaws_are_repeatable_and_depend_on_the_seed():
     first, again, other = (made_up(60, 3, unknown=5)[0] for _ in range(3))
-    tell_body_yaw(first, NUMBERS, 0)
-    tell_body_yaw(again, NUMBERS, 0)
-    tell_body_yaw(other, NUMBERS, 1)
+    write_body_yaws(first, NUMBERS, 0)
+    write_body_yaws(again, NUMBERS, 0)
+    write_body_yaws(other, NUMBERS, 1)
     np.testing.assert_array_equal(first.quantised, again.quantised)
     known, unknown = first.person < 55, first.person >= 55
     for some in (known, unknown):
         assert not np.array_equal(first.quantised[-2:, some], other.quantised[-2:, some])
 
 
-def test_body_yaws_of_nobody_cannot_be_told():
+def test_at_least_one_body_yaw_must_be_known():
     samples, _ = made_up(5, 4, unknown=5)
-    with pytest.raises(InputError, match=r'nobody is labelled with both .*--facing'):
-        tell_body_yaw(samples, NUMBERS, 0)
+    with pytest.raises(InputError, match=r'nobody is labelled with both .*--body-yaw'):
+        write_body_yaws(samples, NUMBERS, 0)
 
 
 def test_joined_trees_lead_to_their_own_leaves():
-    """The second tree's nodes and leaves stand behind those of the first."""
+    """Nodes and leaves of a tree follow those of the tree before."""
     order = np.arange(4, dtype=np.int32)
     fork = Tree(
         np.array([5, -1, -1], np.int16),
@@ -169,16 +169,16 @@ def test_joined_trees_lead_to_their_own_leaves():
 
 @pytest.fixture(scope='module')
 def strangers(all_round):
-    """People from all sides whom the model has not seen."""
+    """People from all sides that are not in the training."""
     return list(synthetic_frames(all_round._replace(frames=150, seed=77, clip_length=1)))
 
 
-def test_who_is_told_where_people_face_tells_left_from_right(
+def test_body_yaw_improves_hips_of_people_from_all_sides(
     body_yaw_model, all_round_people, training, strangers
 ):
-    untold = train(all_round_people, training._replace(trees=3), {})
+    without = train(all_round_people, training._replace(trees=3), {})
     hips, errors = [], []
-    for model in (body_yaw_model, untold):
+    for model in (body_yaw_model, without):
         scores = summarise(evaluate(Estimator(model), strangers), 0.15)
         hips.append(np.mean([scores.joints[f'{side}_hip'].ap for side in 'lr']))
         errors.append(scores.mean_error_m)
@@ -186,8 +186,8 @@ def test_who_is_told_where_people_face_tells_left_from_right(
     assert errors[0] < errors[1] - 0.005
 
 
-def test_the_forest_asks_where_people_face(body_yaw_model, small_model):
-    asked = np.bincount(body_yaw_model.forest.feature[body_yaw_model.forest.feature >= 0])
-    assert len(asked) == body_yaw_model.feature_size == 362
-    assert asked[-2:].min() > 3 * asked[:-2].mean()  # every split may, whatever else it is offered
+def test_the_forest_splits_by_the_body_yaw(body_yaw_model, small_model):
+    splits = np.bincount(body_yaw_model.forest.feature[body_yaw_model.forest.feature >= 0])
+    assert len(splits) == body_yaw_model.feature_size == 362
+    assert splits[-2:].min() > 3 * splits[:-2].mean()  # they are tried at every node
     assert small_model.forest.feature.max() < small_model.feature_size == 360
