@@ -34,7 +34,7 @@ NAMES = [
 ]  # fmt: skip
 
 
-@pytest.fixture(defaults='module')
+@pytest.fixture(scope='module')
 def recordings(people, tmp_path_factory):
     """Two recordings of similar people."""
     paths = []
@@ -50,7 +50,7 @@ def experiments(folder, recordings, *words):
     return main(['experiments', str(folder), '--recordings', *recordings, '--quick', *words])
 
 
-@pytest.fixture(defaults='module')
+@pytest.fixture(scope='module')
 def measured(recordings, tmp_path_factory):
     """The folder and the results of all experiments, with --quick."""
     folder = tmp_path_factory.mktemp('experiments') / 'out'

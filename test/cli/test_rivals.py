@@ -32,7 +32,7 @@ KINDS = [('2dsc', 'silhouette'), ('2dsc', 'body'), ('dcf', 'silhouette'), ('dcf'
          ('mixed', 'silhouette'), ('3dlsc', 'body')]  # fmt: skip
 
 
-@pytest.fixture(settings='module')
+@pytest.fixture(scope='module')
 def recordings(people, tmp_path_factory):
     """A training recording, and a test recording of the same people."""
     paths = []
