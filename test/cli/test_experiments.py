@@ -225,7 +225,7 @@ def test_unknown_experiment_lists_the_known_ones(recordings, tmp_path, capsys):
     assert 'fig15' in capsys.readouterr().err
 
 
-@pytest.mark.parametrize('scope', [full_defaults(0), quick_defaults(0)])
+@pytest.mark.parametrize('defaults', [full_defaults(0), quick_defaults(0)])
 def test_all_definitions_are_consistent(defaults):
     for name, make in EXPERIMENTS.items():
         experiment = make(defaults)

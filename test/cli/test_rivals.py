@@ -44,7 +44,7 @@ def recordings(people, tmp_path_factory):
     return paths
 
 
-@pytest.fixture(settings='module', params=KINDS, ids='-'.join)
+@pytest.fixture(scope='module', params=KINDS, ids='-'.join)
 def trained(request, recordings, tmp_path_factory):
     """Feature, sample and file of one model of each kind."""
     feature, sample = request.param
