@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The live node, its messages and parameters: the only place that imports rclpy."""
+"""The live node and the playback of recordings: the only package that imports rclpy."""

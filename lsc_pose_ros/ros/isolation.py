@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A corner of the network of one's own: for the demo and the tests."""
+"""Isolates ROS programs from all others, for the demo and the tests."""
 
 import os
 import socket
@@ -24,19 +24,19 @@ from lsc_pose_ros.resources.package_files import resource
 
 PROFILE_VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
 
-# Above it, domains get ports that the operating system hands out to others.
+# The ports of higher domains are in the range that the operating system assigns.
 _LAST_DOMAIN = 101
 
-# RTPS 2.2, section 9.6.1.1: where the first participant of a domain listens.
+# RTPS 2.2, section 9.6.1.1: the port of the first participant of a domain.
 _FIRST_PORT = 7410
-_PORTS_A_DOMAIN = 250
+_PORTS_PER_DOMAIN = 250
 
 
 def isolated_environment() -> dict[str, str]:
-    """Return environment variables for ROS programs that talk to each other and to nobody else.
+    """Return environment variables for ROS programs that communicate only with each other.
 
-    They use a domain in which nobody listens yet, this computer alone, and the Fast DDS profile
-    for images. They must be set before a program starts ROS.
+    They select an unused domain, this computer, and the Fast DDS profile for images. They must be
+    set before a program initialises ROS.
 
     Raises:
         InputError: all domains are in use.
@@ -52,7 +52,7 @@ def _free_domain() -> int:
     for domain in _domains():
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
-                probe.bind(('', _FIRST_PORT + _PORTS_A_DOMAIN * domain))
+                probe.bind(('', _FIRST_PORT + _PORTS_PER_DOMAIN * domain))
             except OSError:
                 continue
         return domain
@@ -61,7 +61,7 @@ def _free_domain() -> int:
 
 
 def _domains() -> Iterator[int]:
-    """Yield 1 to 101, each process from elsewhere, so that two do not find the same one."""
+    """Yield 1 to 101; the start depends on the process, so that two choose different domains."""
     first = os.getpid()
     for number in range(_LAST_DOMAIN):
         yield 1 + (first + number) % _LAST_DOMAIN

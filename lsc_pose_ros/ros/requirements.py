@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether ROS 2 is here: the one place that says so when it is not."""
+"""Imports modules that need ROS 2, with one error message if it is missing."""
 
 import importlib
 from types import ModuleType
@@ -22,7 +22,10 @@ from lsc_pose_ros.errors import InputError
 
 
 def load_with_ros(module: str) -> ModuleType:
-    """Import and return `module`, which needs rclpy or message packages.
+    """Import and return a module that needs rclpy or message packages.
+
+    Args:
+        module: the name of the module.
 
     Raises:
         InputError: ROS 2 or one of the message packages is not installed, or cannot start.

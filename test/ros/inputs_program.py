@@ -29,8 +29,8 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
 from lsc_pose_ros.messages.stamps import nanoseconds
-from lsc_pose_ros.ros.health.stream_warnings import Situation, complaints
-from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.health.stream_warnings import StreamContext, stream_warnings
+from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages
 from lsc_pose_ros.ros.io.inputs import Inputs
 from lsc_pose_ros.settings.table import SETTINGS, NodeSettings
@@ -57,19 +57,19 @@ def deliver(pair: FrameMessages) -> None:
 end = sys.argv.index('--ros-args') if '--ros-args' in sys.argv else len(sys.argv)
 rclpy.init(args=sys.argv[end:])
 node = Node('pose_node')
-reports = Reports(node.get_logger())
-inputs = Inputs(node, parameters(sys.argv[1:end]), reports, deliver)
+log = ThrottledLog(node.get_logger())
+inputs = Inputs(node, parameters(sys.argv[1:end]), log, deliver)
 seen = inputs.counters(0)
-say('listening to', *inputs.topics.listened)
+say('listening to', *inputs.topics.subscribed)
 
 
 def watch() -> None:
     global seen
     before, seen = seen, inputs.counters(0)
     say('counters', seen)
-    situation = Situation(inputs.topics, inputs.publishers(), '/share/fastdds_profile.xml', 1.0)
-    for kind, text in complaints(before, seen, situation).items():
-        reports.warning(kind, text)
+    context = StreamContext(inputs.topics, inputs.publishers(), '/share/fastdds_profile.xml', 1.0)
+    for kind, text in stream_warnings(before, seen, context).items():
+        log.warning(kind, text)
 
 
 node.create_timer(1.0, watch)

@@ -89,7 +89,7 @@ def main() -> int:
     except InputError as error:
         sys.stdout.write(f'{error}\n')
         return 2
-    outputs.rehearse(skeletons([1]))
+    outputs.warm_up(skeletons([1]))
     outputs.publish(0, FRAME_ID, skeletons([1]))  # nobody may hear of it
     for _ in range(2):  # as after deactivation
         outputs.open()
@@ -106,10 +106,10 @@ def main() -> int:
         stamp = node.get_clock().now().nanoseconds - round(options.get('latency', 0) * 1e9)
         counted['depth'] += 1
         counted['pairs'] += 1
-        with diagnostics.measuring.stage('estimate'):
+        with diagnostics.measurements.stage('estimate'):
             time.sleep(0.005)
         outputs.publish(stamp, FRAME_ID, skeletons(scene))
-        diagnostics.answered(stamp, len(scene))
+        diagnostics.count_estimate(stamp, len(scene))
 
     def step() -> None:
         if options['scenes']:
@@ -117,7 +117,7 @@ def main() -> int:
         elif options.get('failures', 0) > 0:
             options['failures'] -= 1
             counted['depth'] += 1
-            diagnostics.measuring.failed()
+            diagnostics.measurements.count_failure()
         elif options.get('closes'):
             wait_until_received(node)
             outputs.close()

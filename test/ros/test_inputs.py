@@ -296,7 +296,7 @@ def test_missing_images_are_told_with_the_profile(
     for number in np.flatnonzero(random.random(400) < 0.5):
         senders.depth.publish(image(START + int(number) * FRAME))
         time.sleep(0.01)
-    assert program.prints('by the stamps of /depth/image', 10), program.output
+    assert program.prints('according to the stamps of /depth/image', 10), program.output
     assert 'FASTRTPS_DEFAULT_PROFILES_FILE=/share/fastdds_profile.xml' in program.output
     assert wait_until(lambda: counters_of(program).missing > 100, 5)
 

@@ -50,10 +50,10 @@ from lsc_pose_ros.ros.node import node
 from lsc_pose_ros.ros.node.main import main
 
 def break_down(*arguments):
-    node.prepare = prepare
+    node.prepare_resources = prepare
     raise ZeroDivisionError('once')
 
-prepare, node.prepare = node.prepare, break_down
+prepare, node.prepare_resources = node.prepare_resources, break_down
 sys.exit(main())
 """
 
@@ -71,7 +71,7 @@ rclpy.init(args=sys.argv)
 node = PoseNode()
 node.trigger_configure()
 node.trigger_activate()
-model = weakref.ref(node._prepared.model.joints)
+model = weakref.ref(node._resources.model.joints)
 assert model() is not None
 node.trigger_deactivate()
 node.trigger_cleanup()

@@ -212,11 +212,11 @@ def test_diagnostics(run: Run) -> None:
     busy = [
         each
         for each in found
-        if each.level == messages.DiagnosticStatus.OK and each.message == 'answering'
+        if each.level == messages.DiagnosticStatus.OK and each.message == 'estimating'
     ]
     assert busy
     values = {each.key: each.value for each in busy[-1].values}
-    assert 20 < float(values['answers out (Hz)']) < 40
+    assert 20 < float(values['estimates out (Hz)']) < 40
     assert 20 < float(values['frames in (Hz)']) < 40
     assert values['bodies'] == '2'
     assert 20 <= float(values['latency p50 (ms)']) <= float(values['latency p95 (ms)']) < 500

@@ -13,9 +13,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The throttle before the log."""
+"""Log messages that are limited to one of each kind in a period."""
 
-from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 
 
 class Log:
@@ -31,11 +31,11 @@ class Log:
 
 def test_each_kind_is_logged_once_in_a_period() -> None:
     log, time = Log(), [0.0]
-    reports = Reports(log, 5.0, lambda: time[0])
+    throttled = ThrottledLog(log, 5.0, lambda: time[0])
     for step in range(11):
         time[0] = step * 0.5
-        reports.error('mask', f'bad mask {step}')
-        reports.warning('depth', f'bad depth {step}')
+        throttled.error('mask', f'bad mask {step}')
+        throttled.warning('depth', f'bad depth {step}')
     assert log.lines == [
         ('error', 'bad mask 0'),
         ('warning', 'bad depth 0'),
@@ -44,20 +44,20 @@ def test_each_kind_is_logged_once_in_a_period() -> None:
     ]
 
 
-def test_trouble_that_returns_later_is_logged_at_once() -> None:
+def test_problem_that_returns_later_is_logged_at_once() -> None:
     log, time = Log(), [0.0]
-    reports = Reports(log, 5.0, lambda: time[0])
-    reports.error('mask', 'first')
+    throttled = ThrottledLog(log, 5.0, lambda: time[0])
+    throttled.error('mask', 'first')
     time[0] = 100.0
-    reports.error('mask', 'second')
+    throttled.error('mask', 'second')
     assert [line[1] for line in log.lines] == ['first', 'second']
 
 
-def test_kinds_that_never_come_again_need_no_memory() -> None:
+def test_old_kinds_are_forgotten() -> None:
     log, time = Log(), [0.0]
-    reports = Reports(log, 5.0, lambda: time[0])
+    throttled = ThrottledLog(log, 5.0, lambda: time[0])
     for step in range(20000):
         time[0] = step * 0.5
-        reports.error(f'{step} bytes', 'broken')
+        throttled.error(f'{step} bytes', 'broken')
     assert len(log.lines) == 20000
-    assert len(reports._last) < 1300
+    assert len(throttled._last) < 1300

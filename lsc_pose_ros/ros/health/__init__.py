@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the node says of itself: diagnostics, warnings, the log."""
+"""Diagnostics, warnings and log messages of the node."""

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How the node does, in words and numbers for /diagnostics; no ROS in here."""
+"""Summarises an interval of the node's work for /diagnostics; does not import ROS."""
 
 from enum import Enum
 from typing import NamedTuple
@@ -21,18 +21,18 @@ from typing import NamedTuple
 import numpy as np
 
 from lsc_pose_ros.ros.health.measurements import Measurements
-from lsc_pose_ros.ros.health.stream_warnings import TOLERATED_SHARE, Counters
+from lsc_pose_ros.ros.health.stream_warnings import TOLERATED_FRACTION, Counters
 
-# Without a depth image for so long, what is known of the stream is old, seconds.
-PATIENCE = 3.0
+# Without a depth image for more seconds than this, the stream counts as stale.
+_STALE_AFTER = 3.0
 
-# So many depth images within a second are no slow camera: answers are due.
-_SOME = 3
+# With so many depth images in an interval, the camera is not slow: there should be estimates.
+_FEW_DEPTH_IMAGES = 3
 
 _UNKNOWN = 'unknown'
 
-# Counters that grow while all is well; a mask may be slower than the depth image, or quicker.
-_ORDINARY = frozenset(
+# Counters that also grow without any problem; masks may be slower or faster than depth images.
+_NORMAL_COUNTERS = frozenset(
     {
         'depth',
         'masks',
@@ -44,9 +44,9 @@ _ORDINARY = frozenset(
     }
 )
 
-# All others, as a message of trouble names them.
-_TROUBLES = {
-    'replaced': 'left out for newer ones',
+# All other counters, with their words in the message.
+_PROBLEM_COUNTERS = {
+    'replaced': 'replaced by newer ones',
     'lost': 'lost by the middleware',
     'missing': 'missing by their stamps',
     'duplicates': 'with the stamp of another',
@@ -54,12 +54,12 @@ _TROUBLES = {
     'rewinds': 'stamps that went back',
 }
 
-# Of these, a few happen on any computer.
+# Problems that occur now and then on any computer.
 _TOLERATED = frozenset({'replaced', 'missing'})
 
 
 class Level(Enum):
-    """How serious it is, as diagnostic_msgs/DiagnosticStatus has it."""
+    """The severity, with the numbers of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -67,13 +67,13 @@ class Level(Enum):
     STALE = 3
 
 
-class Condition(NamedTuple):
-    """What a DiagnosticStatus says.
+class Status(NamedTuple):
+    """The content of a diagnostic_msgs/DiagnosticStatus.
 
     Attributes:
-        level: how serious it is.
-        message: the most serious trouble in a few words.
-        values: names with numbers, in the order to show them in.
+        level: the severity.
+        message: the most serious problem in a few words.
+        values: names and values, in the order in which they are shown.
     """
 
     level: Level
@@ -81,54 +81,62 @@ class Condition(NamedTuple):
     values: dict[str, str]
 
 
-class Stretch(NamedTuple):
-    """A stretch of time, and what came and went in it.
+class Interval(NamedTuple):
+    """What was counted and measured in an interval of time.
 
     Attributes:
-        seconds: how long it was.
-        quiet: how long ago the last depth image came at its end, seconds.
+        seconds: its length.
+        silence: seconds from the last depth image to the end of the interval.
         before: the counters at its beginning.
         now: the counters at its end.
-        measured: what was measured in it.
+        measured: the measurements in it.
     """
 
     seconds: float
-    quiet: float
+    silence: float
     before: Counters
     now: Counters
     measured: Measurements
 
 
-def condition(stretch: Stretch) -> Condition:
-    """Return how the node did."""
-    level, message = _verdict(stretch)
-    return Condition(level, message, _values(stretch))
+def status_of(interval: Interval) -> Status:
+    """Return the status of the node in `interval`."""
+    level, message = _level_and_message(interval)
+    return Status(level, message, _values(interval))
 
 
-def _verdict(stretch: Stretch) -> tuple[Level, str]:
-    measured, gained = stretch.measured, _gained(stretch)
-    if stretch.quiet > PATIENCE:
-        return Level.STALE, f'no depth image for {stretch.quiet:.0f} s'
+def _level_and_message(interval: Interval) -> tuple[Level, str]:
+    measured = interval.measured
+    increase = interval.now.since(interval.before)
+    if interval.silence > _STALE_AFTER:
+        return Level.STALE, f'no depth image for {interval.silence:.0f} s'
     if measured.failures:
-        return Level.ERROR, f'{measured.failures} frames could not be answered; the log says why'
-    if gained['depth'] >= _SOME and not measured.answers:
-        return Level.WARN, 'depth images come, but none can be answered; the log says why'
-    tolerated = TOLERATED_SHARE * gained['depth']
-    troubles = [
-        f'{gained[name]} {words}'
-        for name, words in _TROUBLES.items()
-        if gained[name] > (tolerated if name in _TOLERATED else 0)
+        return Level.ERROR, f'{measured.failures} frames could not be estimated; see the log'
+    if increase.depth >= _FEW_DEPTH_IMAGES and not measured.estimates:
+        return Level.WARN, 'depth images are received, but none can be estimated; see the log'
+    problems = _problems(increase)
+    if problems:
+        return Level.WARN, f'images: {", ".join(problems)}'
+    return Level.OK, 'estimating' if measured.estimates else 'waiting'
+
+
+def _problems(increase: Counters) -> list[str]:
+    """Return the problems that occurred more often than is tolerated."""
+    tolerated = TOLERATED_FRACTION * increase.depth
+    counts = increase._asdict()
+    return [
+        f'{counts[name]} {words}'
+        for name, words in _PROBLEM_COUNTERS.items()
+        if counts[name] > (tolerated if name in _TOLERATED else 0)
     ]
-    if troubles:
-        return Level.WARN, f'images: {", ".join(troubles)}'
-    return Level.OK, 'answering' if measured.answers else 'waiting'
 
 
-def _values(stretch: Stretch) -> dict[str, str]:
-    measured, seconds = stretch.measured, max(stretch.seconds, 1e-9)
+def _values(interval: Interval) -> dict[str, str]:
+    measured, seconds = interval.measured, max(interval.seconds, 1e-9)
+    depth_images = interval.now.depth - interval.before.depth
     values = {
-        'frames in (Hz)': f'{_gained(stretch)["depth"] / seconds:.1f}',
-        'answers out (Hz)': f'{measured.answers / seconds:.1f}',
+        'frames in (Hz)': f'{depth_images / seconds:.1f}',
+        'estimates out (Hz)': f'{measured.estimates / seconds:.1f}',
         'bodies': str(measured.bodies),
         'latency p50 (ms)': _milliseconds(measured.latencies, 50),
         'latency p95 (ms)': _milliseconds(measured.latencies, 95),
@@ -136,16 +144,11 @@ def _values(stretch: Stretch) -> dict[str, str]:
     for stage, times in measured.stages.items():
         values[f'{stage} p50 (ms)'] = _milliseconds(times, 50)
         values[f'{stage} p95 (ms)'] = _milliseconds(times, 95)
-    # Since the node started, so that whoever looks in later misses nothing.
+    # Totals since the node was activated, so that a later reader misses nothing.
     values |= {
-        name.replace('_', ' '): str(number) for name, number in stretch.now._asdict().items()
+        name.replace('_', ' '): str(number) for name, number in interval.now._asdict().items()
     }
     return values
-
-
-def _gained(stretch: Stretch) -> dict[str, int]:
-    before, now = stretch.before._asdict(), stretch.now._asdict()
-    return {name: now[name] - before[name] for name in now}
 
 
 def _milliseconds(seconds: list[float], percentile: float) -> str:

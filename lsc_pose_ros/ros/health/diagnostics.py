@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the node says of itself on /diagnostics, each second."""
+"""Publishes the status of the node on /diagnostics, once a second."""
 
 import importlib
 from collections.abc import Callable
@@ -23,8 +23,8 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from lsc_pose_ros.messages.stamps import NANOSECONDS
-from lsc_pose_ros.ros.health.diagnostic_status import Condition, Stretch, condition
-from lsc_pose_ros.ros.health.measurements import Measuring
+from lsc_pose_ros.ros.health.diagnostic_status import Interval, Status, status_of
+from lsc_pose_ros.ros.health.measurements import MeasurementCollector
 from lsc_pose_ros.ros.health.stream_warnings import Counters
 
 TOPIC = '/diagnostics'
@@ -35,29 +35,29 @@ _TASK = 'pose estimation'
 
 
 class Diagnostics:
-    """Measures how the node does, and publishes it until `close`.
+    """Measures how the node works, and publishes its status until `close`.
 
-    The worker's thread tells what it does:
+    The worker's thread reports each frame:
 
-        with diagnostics.measuring.stage('decode'):
+        with diagnostics.measurements.stage('decode'):
             ...
-        diagnostics.answered(stamp, bodies)     # after publication; or
-        diagnostics.measuring.failed()
+        diagnostics.count_estimate(stamp, bodies)     # after publication; or
+        diagnostics.measurements.count_failure()
 
     Attributes:
-        measuring: what collects the measurements; may be used from any thread.
+        measurements: collects the measurements; may be used from any thread.
     """
 
     def __init__(self, node: Node, counters: Callable[[], Counters]) -> None:
-        """Advertise, and publish from now on.
+        """Advertise, and start to publish.
 
-        Where diagnostic_msgs is not installed, the log says so and nothing is published.
+        If diagnostic_msgs is not installed, the log says so and nothing is published.
 
         Args:
-            node: the node that publishes; its clock is that of the latencies.
-            counters: called in the executor's thread for how much has come and gone.
+            node: the node that publishes; latencies are measured with its clock.
+            counters: returns the current counters; called in the executor's thread.
         """
-        self.measuring = Measuring()
+        self.measurements = MeasurementCollector()
         self._node = node
         self._counters = counters
         self._before = counters()
@@ -69,26 +69,26 @@ class Diagnostics:
             )
             self._publisher = None
             return
-        # Real time, for where a recording's clock stands still there is the most to say.
+        # Real time: if the clock of a recording stands still, the status is needed most.
         self._clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._last = self._heard = self._clock.now()
+        self._last = self._last_depth = self._clock.now()
         self._publisher = node.create_publisher(
             self._messages.DiagnosticArray, TOPIC, _QUEUE_DEPTH
         )
         self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
 
-    def answered(self, stamp: int, bodies: int) -> None:
-        """Count an answer that has just been published.
+    def count_estimate(self, stamp: int, bodies: int) -> None:
+        """Count an estimate that has just been published.
 
         Args:
-            stamp: the depth image's, nanoseconds.
-            bodies: how many bodies the answer has.
+            stamp: the stamp of the depth image, nanoseconds.
+            bodies: the number of bodies in the estimate.
         """
         latency = self._node.get_clock().now().nanoseconds - stamp
-        self.measuring.answered(bodies, latency / NANOSECONDS)
+        self.measurements.count_estimate(bodies, latency / NANOSECONDS)
 
     def close(self) -> None:
-        """Publish no more."""
+        """Stop publishing."""
         if self._publisher is not None:
             self._node.destroy_timer(self._timer)
             self._node.destroy_publisher(self._publisher)
@@ -97,41 +97,41 @@ class Diagnostics:
     def _publish(self) -> None:
         if self._publisher is None:
             return
-        found = condition(self._stretch())
-        self._publisher.publish(self._message(found))
+        status = status_of(self._next_interval())
+        self._publisher.publish(self._message(status))
 
-    def _stretch(self) -> Stretch:
-        """Return what there is to tell since the last time."""
+    def _next_interval(self) -> Interval:
+        """Return the interval since the last call."""
         before, now, time = self._before, self._counters(), self._clock.now()
         if now.depth != before.depth:
-            self._heard = time
-        stretch = Stretch(
+            self._last_depth = time
+        interval = Interval(
             (time - self._last).nanoseconds / NANOSECONDS,
-            (time - self._heard).nanoseconds / NANOSECONDS,
+            (time - self._last_depth).nanoseconds / NANOSECONDS,
             before,
             now,
-            self.measuring.take(),
+            self.measurements.take(),
         )
         self._before, self._last = now, time
-        return stretch
+        return interval
 
-    def _message(self, found: Condition) -> Any:  # noqa: ANN401
-        status = self._messages.DiagnosticStatus(
+    def _message(self, status: Status) -> Any:  # noqa: ANN401 - the package may be missing
+        item = self._messages.DiagnosticStatus(
             name=f'{self._node.get_fully_qualified_name().lstrip("/")}: {_TASK}',
-            level=bytes([found.level.value]),
-            message=found.message,
+            level=bytes([status.level.value]),
+            message=status.message,
             values=[
                 self._messages.KeyValue(key=key, value=value)
-                for key, value in found.values.items()
+                for key, value in status.values.items()
             ],
         )
-        message = self._messages.DiagnosticArray(status=[status])
+        message = self._messages.DiagnosticArray(status=[item])
         message.header.stamp = self._node.get_clock().now().to_msg()
         return message
 
 
-def _diagnostic_messages() -> Any:  # noqa: ANN401
-    """Return the module of the messages, or None where their package is not installed."""
+def _diagnostic_messages() -> Any:  # noqa: ANN401 - the package may be missing
+    """Return the module of the messages, or None if their package is not installed."""
     try:
         return importlib.import_module('diagnostic_msgs.msg')
     except ImportError:

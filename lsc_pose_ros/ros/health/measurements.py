@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How fast the answers come: rates, latencies, and the time that each stage takes; no ROS here."""
+"""Measures rates, latencies and the time of each stage; does not import ROS."""
 
 import threading
 import time
@@ -21,43 +21,43 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
-# Where a stamp lies further back, the camera's clock is not the node's: an old recording, say.
 LONGEST_LATENCY = 10.0
+"""With an older stamp, the clock of the camera is not that of the node: an old recording."""
 
-# How far a stamp may lie ahead of the node's clock: two clocks agree no better, seconds.
+# Two clocks can differ by so much: a stamp may lie that far in the future, seconds.
 _CLOCK_ERROR = 0.05
 
 
 class Measurements(NamedTuple):
-    """What was measured in one stretch of time.
+    """The measurements of one interval.
 
     Attributes:
-        answers: how many frames were answered.
-        failures: how many could not be.
-        bodies: how many bodies the last answer has.
-        latencies: seconds from stamp to publication, of those where the clocks are comparable.
-        stages: for each stage the seconds that it took, frame by frame.
+        estimates: the number of frames that were estimated.
+        failures: the number of frames that could not be estimated.
+        bodies: the number of bodies in the last estimate.
+        latencies: seconds from stamp to publication, for frames with comparable clocks.
+        stages: the seconds of each stage, frame by frame.
     """
 
-    answers: int
+    estimates: int
     failures: int
     bodies: int
     latencies: list[float]
     stages: dict[str, list[float]]
 
 
-class Measuring:
-    """Collects measurements in the worker's thread, for another thread to take away.
+class MeasurementCollector:
+    """Collects measurements in the worker's thread until another thread takes them.
 
-    What is not taken away is bounded: of a stretch without end, the last values are kept.
+    The memory is bounded: if nobody takes the measurements, the newest values are kept.
     """
 
     def __init__(self, now: Callable[[], float] = time.perf_counter, capacity: int = 1000) -> None:
-        """Begin with nothing.
+        """Make a collector without measurements.
 
         Args:
             now: the clock for the stages, seconds.
-            capacity: how many values of a kind are kept.
+            capacity: how many values of each kind are kept.
         """
         self._now = now
         self._capacity = capacity
@@ -66,7 +66,7 @@ class Measuring:
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
-        """Measure how long what is done inside takes, as one frame's time for the stage `name`."""
+        """Measure the time inside the context as one frame's time of the stage `name`."""
         begin = self._now()
         yield
         seconds = self._now() - begin
@@ -80,35 +80,35 @@ class Measuring:
                 if value > 0:
                     self._append(self._stages.setdefault(name, []), value)
 
-    def answered(self, bodies: int, latency: float) -> None:
-        """Count an answer.
+    def count_estimate(self, bodies: int, latency: float) -> None:
+        """Count a frame that was estimated.
 
         Args:
-            bodies: how many bodies it has.
-            latency: seconds from the depth image's stamp to now, both in the node's clock.
+            bodies: the number of bodies in the estimate.
+            latency: seconds from the stamp of the depth image until now, by the node's clock.
         """
         with self._lock:
-            self._answers += 1
+            self._estimates += 1
             self._bodies = bodies
             if -_CLOCK_ERROR <= latency <= LONGEST_LATENCY:
                 self._append(self._latencies, max(latency, 0.0))
 
-    def failed(self) -> None:
-        """Count a frame that could not be answered."""
+    def count_failure(self) -> None:
+        """Count a frame that could not be estimated."""
         with self._lock:
             self._failures += 1
 
     def take(self) -> Measurements:
-        """Return what was measured since the last time, and begin anew."""
+        """Return the measurements since the last call, and start a new interval."""
         with self._lock:
             taken = Measurements(
-                self._answers, self._failures, self._bodies, self._latencies, self._stages
+                self._estimates, self._failures, self._bodies, self._latencies, self._stages
             )
             self._clear()
         return taken
 
     def _clear(self) -> None:
-        self._answers = 0
+        self._estimates = 0
         self._failures = 0
         self._bodies = 0
         self._latencies: list[float] = []

@@ -13,19 +13,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What is wrong with the stream of frames, told from counters; no ROS in here."""
+"""Finds out from counters what is wrong with the stream of frames; does not import ROS."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
 
-# A few frames are left out on any computer that has something else to do now and then.
-TOLERATED_SHARE = 0.05
+TOLERATED_FRACTION = 0.05
+"""Any computer that also does other work leaves out a few frames."""
 
 
 class TopicNames(NamedTuple):
-    """The full names of the topics that are listened to, for the sentences in the log.
+    """The full names of the subscribed topics, for the messages in the log.
 
-    `mask` is empty where no mask is needed.
+    `mask` is empty if no mask is needed.
     """
 
     depth: str
@@ -33,28 +33,28 @@ class TopicNames(NamedTuple):
     mask: str = ''
 
     @property
-    def listened(self) -> tuple[str, ...]:
-        """Those that are listened to."""
+    def subscribed(self) -> tuple[str, ...]:
+        """The names of the topics that are subscribed."""
         return tuple(filter(None, self))
 
 
 class Counters(NamedTuple):
-    """How much has come and gone since the node was activated.
+    """How many messages and events there were since the node was activated.
 
     Attributes:
-        depth: depth images that came.
-        masks: masks that came.
-        camera_infos: camera infos that came.
+        depth: received depth images.
+        masks: received masks.
+        camera_infos: received camera infos.
         pairs: depth images that found their mask, or need none.
-        replaced: pairs that gave way to a newer one before they were worked on.
-        lost: images that the middleware knows to have lost.
-        rewinds: how often the depth images' stamps went back.
-        missing: depth images that never came, by the gaps between the stamps.
-        unmatched_depth: depth images for which no mask came; ordinary where masks are slower.
-        unmatched_masks: masks for which no depth image came.
-        duplicates: images left out because their stamp had been there already.
-        late: images left out because they came after a newer pair had been delivered.
-        out_of_order: images that came after a newer one of their kind; some of them are late.
+        replaced: pairs that were replaced by a newer one before the worker took them.
+        lost: images that the middleware reports as lost.
+        rewinds: how often the stamps of the depth images went back.
+        missing: depth images that were never received, according to the gaps between stamps.
+        unmatched_depth: depth images without a mask; normal if masks are slower.
+        unmatched_masks: masks without a depth image.
+        duplicates: images left out because an earlier one has the same stamp.
+        late: images left out because a newer pair had already been delivered.
+        out_of_order: images received after a newer one of their kind; some of them are late.
     """
 
     depth: int = 0
@@ -71,15 +71,19 @@ class Counters(NamedTuple):
     late: int = 0
     out_of_order: int = 0
 
+    def since(self, before: 'Counters') -> 'Counters':
+        """Return by how much each counter has increased."""
+        return Counters(*(now - old for now, old in zip(self, before, strict=True)))
 
-class Situation(NamedTuple):
-    """What is known besides the counters.
+
+class StreamContext(NamedTuple):
+    """What the warnings name besides the counters.
 
     Attributes:
-        topics: what the node listens to.
+        topics: the subscribed topics.
         publishers: how many publishers each topic has.
         profile: the path of the Fast DDS profile.
-        seconds: the time between the two readings.
+        seconds: the time between the two readings of the counters.
     """
 
     topics: TopicNames
@@ -88,23 +92,24 @@ class Situation(NamedTuple):
     seconds: float = 5.0
 
 
-def complaints(before: Counters, now: Counters, situation: Situation) -> dict[str, str]:
-    """Return what has gone wrong between two readings of the counters.
+def stream_warnings(before: Counters, now: Counters, context: StreamContext) -> dict[str, str]:
+    """Return what went wrong between two readings of the counters.
 
     Returns:
-        a sentence with the remedy for each kind of trouble; a kind keeps its name while it lasts.
+        A sentence with the remedy for each kind of problem. The name of a kind stays the same
+        while the problem lasts.
     """
-    gained = Counters(*(new - old for new, old in zip(now, before, strict=True)))
-    topics = situation.topics
+    increase = now.since(before)
+    topics = context.topics
     found = {
-        'no depth': _silence(topics.depth, gained.depth, _DEPTH_REMEDY, situation),
-        'no mask': _silence(topics.mask, gained.masks, _MASK_REMEDY, situation),
-        'no camera info': _no_camera_info(now, situation),
-        'no pairs': _no_pairs(gained, topics),
-        'loss': _loss(gained, situation),
-        'rewind': _rewind(gained, topics),
-        'disorder': _disorder(gained, topics),
-        'overload': _overload(gained),
+        'no depth': _nothing_received(topics.depth, increase.depth, _DEPTH_REMEDY, context),
+        'no mask': _nothing_received(topics.mask, increase.masks, _MASK_REMEDY, context),
+        'no camera info': _no_camera_info(now, context),
+        'no pairs': _no_pairs(increase, topics),
+        'loss': _loss(increase, context),
+        'rewind': _rewind(increase, topics),
+        'disorder': _disorder(increase, topics),
+        'overload': _overload(increase),
     }
     return {kind: text for kind, text in found.items() if text}
 
@@ -112,31 +117,30 @@ def complaints(before: Counters, now: Counters, situation: Situation) -> dict[st
 _DEPTH_REMEDY = 'start the camera, or remap depth/image to its topic'
 _MASK_REMEDY = (
     'start the segmentation, remap mask to its topic, or set the parameter segmentation to '
-    'nearest or background to do without'
+    'nearest or background, which need no mask'
 )
 
 
-def _silence(topic: str, came: int, remedy: str, situation: Situation) -> str:
-    if came or not topic:
+def _nothing_received(topic: str, received: int, remedy: str, context: StreamContext) -> str:
+    if received or not topic:
         return ''
-    count = situation.publishers.get(topic, 0)
+    count = context.publishers.get(topic, 0)
     if count:
-        remedy = 'a publisher is there but sends nothing that arrives: look at its log'
+        remedy = 'there is a publisher, but none of its messages arrives: look at its log'
     return (
-        f'nothing received on {topic} for {situation.seconds:.0f} s '
-        f'({_publishers(count)}); {remedy}'
+        f'nothing received on {topic} for {context.seconds:.0f} s ({_publishers(count)}); {remedy}'
     )
 
 
-def _no_camera_info(now: Counters, situation: Situation) -> str:
-    """Tell that there has never been one; one is enough."""
+def _no_camera_info(now: Counters, context: StreamContext) -> str:
+    """Return a warning if there has never been a camera info; one is enough."""
     if now.camera_infos:
         return ''
-    topic = situation.topics.camera_info
+    topic = context.topics.camera_info
     return (
-        f'no camera info received on {topic} ({_publishers(situation.publishers.get(topic, 0))}), '
-        'without which no depth image can be answered; let the camera driver publish it, or '
-        "remap depth/camera_info to the depth camera's"
+        f'no camera info received on {topic} ({_publishers(context.publishers.get(topic, 0))}); '
+        'without it no depth image can be estimated; let the camera driver publish it, or '
+        'remap depth/camera_info to the topic of the depth camera'
     )
 
 
@@ -144,8 +148,8 @@ def _publishers(count: int) -> str:
     return f'{count or "no"} publisher{"" if count == 1 else "s"}'
 
 
-def _no_pairs(gained: Counters, topics: TopicNames) -> str:
-    if gained.pairs or not (gained.depth and gained.masks):
+def _no_pairs(increase: Counters, topics: TopicNames) -> str:
+    if increase.pairs or not (increase.depth and increase.masks):
         return ''
     return (
         f'no mask of {topics.mask} has the stamp of an image of {topics.depth}; publish masks '
@@ -153,51 +157,52 @@ def _no_pairs(gained: Counters, topics: TopicNames) -> str:
     )
 
 
-def _loss(gained: Counters, situation: Situation) -> str:
-    """Tell of images that were sent and did not come."""
-    came = gained.depth + gained.masks
-    told = []
-    if gained.missing > TOLERATED_SHARE * (gained.depth + gained.missing):
-        told.append(
-            f'by the stamps of {situation.topics.depth}, {gained.missing} of '
-            f'{gained.depth + gained.missing} depth images are missing'
+def _loss(increase: Counters, context: StreamContext) -> str:
+    """Return a warning if images were sent but not received."""
+    received = increase.depth + increase.masks
+    sent_depth = increase.depth + increase.missing
+    reasons = []
+    if increase.missing > TOLERATED_FRACTION * sent_depth:
+        reasons.append(
+            f'according to the stamps of {context.topics.depth}, {increase.missing} of '
+            f'{sent_depth} depth images are missing'
         )
-    if gained.lost > TOLERATED_SHARE * (came + gained.lost):
-        told.append(f'the middleware lost {gained.lost} images, with {came} received')
-    if not told:
+    if increase.lost > TOLERATED_FRACTION * (received + increase.lost):
+        reasons.append(f'the middleware lost {increase.lost} images and received {received}')
+    if not reasons:
         return ''
     return (
-        f'{", and ".join(told)}; start their publishers with '
-        f'FASTRTPS_DEFAULT_PROFILES_FILE={situation.profile}, or let them publish reliably'
+        f'{", and ".join(reasons)}; start their publishers with '
+        f'FASTRTPS_DEFAULT_PROFILES_FILE={context.profile}, or let them publish reliably'
     )
 
 
-def _rewind(gained: Counters, topics: TopicNames) -> str:
-    if not gained.rewinds:
+def _rewind(increase: Counters, topics: TopicNames) -> str:
+    if not increase.rewinds:
         return ''
     return (
-        f'the stamps of {topics.depth} went back, so pairing began anew: a recording was played '
-        'again, or two publishers share the topic'
+        f'the stamps of {topics.depth} went back, so synchronization started again: a recording '
+        'was played again, or two publishers share the topic'
     )
 
 
-def _disorder(gained: Counters, topics: TopicNames) -> str:
-    came = gained.depth + gained.masks
-    wrong = gained.duplicates + gained.late
-    if wrong <= TOLERATED_SHARE * came:
+def _disorder(increase: Counters, topics: TopicNames) -> str:
+    received = increase.depth + increase.masks
+    left_out = increase.duplicates + increase.late
+    if left_out <= TOLERATED_FRACTION * received:
         return ''
     names = ' and '.join(filter(None, (topics.depth, topics.mask)))
     return (
-        f'of {came} images on {names}, {gained.duplicates} repeat the stamp of another and '
-        f'{gained.late} came after newer ones; let one publisher send each topic, with stamps '
-        'that increase'
+        f'of {received} images on {names}, {increase.duplicates} repeat the stamp of another and '
+        f'{increase.late} came after newer ones; let one publisher send each topic, with '
+        'increasing stamps'
     )
 
 
-def _overload(gained: Counters) -> str:
-    if gained.replaced <= TOLERATED_SHARE * gained.pairs:
+def _overload(increase: Counters) -> str:
+    if increase.replaced <= TOLERATED_FRACTION * increase.pairs:
         return ''
     return (
-        f'{gained.replaced} of {gained.pairs} frames were left out because newer ones came '
-        'before they were worked on: they come faster than they can be estimated'
+        f'{increase.replaced} of {increase.pairs} frames were left out because newer ones '
+        'replaced them: frames come faster than they can be estimated'
     )

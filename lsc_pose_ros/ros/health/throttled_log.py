@@ -13,19 +13,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the node says of trouble: each kind of trouble at most once in a while."""
+"""Logs each kind of problem at most once in a period."""
 
 import threading
 import time
 from collections.abc import Callable
 from typing import Protocol
 
-# Seconds after which a kind of trouble is forgotten, longer than any period.
+# A kind of problem is forgotten after these seconds, which are longer than any period.
 _MEMORY = 600.0
 
 
 class Logger(Protocol):
-    """What is used of rclpy's logger."""
+    """The part of rclpy's logger that is used here."""
 
     def warning(self, message: str) -> object:
         """Log a warning."""
@@ -34,21 +34,21 @@ class Logger(Protocol):
         """Log an error."""
 
 
-class Reports:
-    """A throttle before the log, for messages that would come with every frame.
+class ThrottledLog:
+    """Limits log messages that would otherwise repeat with each frame.
 
-    rclpy throttles by the line of code that logs; here the kind of trouble decides, so that a
-    broken mask does not hide a broken depth image. May be used from any thread.
+    rclpy throttles by the line of code that logs. Here the kind of problem decides, so that a bad
+    mask does not hide a bad depth image. It may be used from any thread.
     """
 
     def __init__(
         self, logger: Logger, period: float = 5.0, now: Callable[[], float] = time.monotonic
     ) -> None:
-        """Prepare a throttle.
+        """Make a log without a history.
 
         Args:
-            logger: where the messages go.
-            period: seconds in which one kind of trouble is logged once.
+            logger: receives the messages.
+            period: each kind of problem is logged once in so many seconds.
             now: the clock, seconds.
         """
         self._logger = logger
@@ -59,13 +59,13 @@ class Reports:
         self._withheld: dict[str, int] = {}
 
     def warning(self, kind: str, text: str) -> None:
-        """Log `text` as a warning unless one of the same `kind` was logged just now."""
+        """Log `text` as a warning unless one of the same `kind` was logged in the last period."""
         message = self._admit(kind, text)
         if message is not None:
             self._logger.warning(message)
 
     def error(self, kind: str, text: str) -> None:
-        """Log `text` as an error unless one of the same `kind` was logged just now."""
+        """Log `text` as an error unless one of the same `kind` was logged in the last period."""
         message = self._admit(kind, text)
         if message is not None:
             self._logger.error(message)
@@ -82,7 +82,7 @@ class Reports:
         return f'{text} ({withheld} more like this since the last report)' if withheld else text
 
     def _forget(self, now: float) -> None:
-        """Forget old kinds, for some name a number that differs each time."""
+        """Remove old kinds; some names contain a number that differs each time."""
         for kind in [kind for kind, last in self._last.items() if now - last > _MEMORY]:
             del self._last[kind]
             self._withheld.pop(kind, None)

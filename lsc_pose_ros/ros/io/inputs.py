@@ -23,7 +23,7 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lsc_pose_ros.messages.stamps import NANOSECONDS, nanoseconds
 from lsc_pose_ros.ros.health.stream_warnings import Counters, TopicNames
-from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages, ImageMessage
 from lsc_pose_ros.ros.io.subscription import (
     IMAGE_QUEUE_DEPTH,
@@ -52,7 +52,7 @@ class Inputs:
         self,
         node: Node,
         parameters: NodeSettings,
-        reports: Reports,
+        log: ThrottledLog,
         deliver: Callable[[FrameMessages], None],
     ) -> None:
         """Create the subscriptions.
@@ -60,7 +60,7 @@ class Inputs:
         Args:
             node: the node that subscribes.
             parameters: the node's.
-            reports: where problems with publishers are logged.
+            log: where problems with publishers are logged.
             deliver: called with the messages of each frame, in the executor's thread.
         """
         self._node = node
@@ -87,8 +87,7 @@ class Inputs:
                 self._image_request('mask', 'mask_transport', parameters.mask_transport)
             )
         self._subscriptions = [
-            TopicSubscription(node, request, parameters.reliability, reports)
-            for request in requests
+            TopicSubscription(node, request, parameters.reliability, log) for request in requests
         ]
         self.topics = TopicNames(*(each.topic for each in self._subscriptions))
         self._timer = node.create_timer(

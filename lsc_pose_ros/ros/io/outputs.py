@@ -81,13 +81,13 @@ class Outputs:
         if self._transforms is not None:
             self._transforms.close()
 
-    def rehearse(self, skeletons: Skeletons) -> None:
+    def warm_up(self, skeletons: Skeletons) -> None:
         """Build all messages without publishing them, because the first ones take much longer."""
         build_skeletons(RCLPY_CLASSES, 0, '', skeletons)
         shapes = MarkerUpdater(self._edges).update(skeletons, self.parameters)
         build_markers(RCLPY_CLASSES, 0, '', shapes)
         if self._transforms is not None:
-            self._transforms.rehearse(skeletons)
+            self._transforms.warm_up(skeletons)
 
     def publish(self, stamp: int, frame_id: str, skeletons: Skeletons) -> None:
         """Publish the estimate of one depth image; do nothing before `open` and after `close`.

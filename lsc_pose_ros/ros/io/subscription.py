@@ -29,7 +29,7 @@ from rclpy.qos import (
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 
 AUTO = 'auto'
 
@@ -74,7 +74,7 @@ class TopicSubscription:
     """
 
     def __init__(
-        self, node: Node, request: SubscriptionRequest, reliability: str, reports: Reports
+        self, node: Node, request: SubscriptionRequest, reliability: str, log: ThrottledLog
     ) -> None:
         """Subscribe; if `reliability` is auto, `update` does it.
 
@@ -82,13 +82,13 @@ class TopicSubscription:
             node: the node that subscribes.
             request: the topic.
             reliability: best_effort, reliable, or auto for the QoS that all publishers offer.
-            reports: where problems with publishers are logged.
+            log: where problems with publishers are logged.
         """
         self.topic = node.resolve_topic_name(request.topic)
         self.lost = 0
         self._node = node
         self._request = request
-        self._reports = reports
+        self._log = log
         self._automatic = reliability == AUTO
         self._profile: QoSProfile | None = None
         self._subscription: Subscription | None = None
@@ -149,7 +149,7 @@ class TopicSubscription:
         remedy = 'change the publisher'
         if policy == 'RELIABILITY':
             remedy = 'set the parameter reliability to auto or best_effort'
-        self._reports.error(
+        self._log.error(
             f'incompatible {self.topic}',
             f'{self.topic}: a publisher offers an incompatible {policy}, so its messages are not '
             f'received; {remedy}',
@@ -160,7 +160,7 @@ class TopicSubscription:
         remedy = 'remap the node to another topic'
         if self._request.transport_parameter:
             remedy += f', or set the parameter {self._request.transport_parameter}'
-        self._reports.error(
+        self._log.error(
             f'type of {self.topic}',
             f'{self.topic}: a publisher sends {", ".join(sorted(types))}, but '
             f'{self._type_name} is needed, so its messages are not received; {remedy}',

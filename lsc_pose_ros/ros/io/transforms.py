@@ -70,7 +70,7 @@ class TransformPublisher:
             self._node.destroy_publisher(self._publisher)
         self._publisher = None
 
-    def rehearse(self, skeletons: Skeletons) -> None:
+    def warm_up(self, skeletons: Skeletons) -> None:
         """Build a message without publishing it, because the first one takes much longer."""
         build_transforms(RCLPY_CLASSES, 0, skeleton_transforms(skeletons, ''))
 

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The live node: states, parameters, and the pipeline while it is active."""
+"""The lifecycle node, its parameters, and the pipeline that runs while it is active."""

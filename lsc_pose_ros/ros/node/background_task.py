@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Work that takes long, done so that the process can still be told to stop."""
+"""Runs long work in a thread, so that the process can be stopped while it runs."""
 
 import threading
 from collections.abc import Callable
@@ -28,15 +28,15 @@ Result = TypeVar('Result')
 _POLL_PERIOD = 0.05
 
 
-def run_aside(work: Callable[[], Result], context: Context) -> Result:
-    """Do `work` in a thread of its own, and return or raise what it does.
+def run_in_background(work: Callable[[], Result], context: Context) -> Result:
+    """Run `work` in a new thread, and return its result or raise its exception.
 
-    Kernels that are being compiled cannot be interrupted, so that the caller leaves them alone
-    when the process is told to stop.
+    The compilation of kernels cannot be interrupted. If the process is told to stop, the thread
+    is left alone.
 
     Args:
-        work: what is to be done.
-        context: shut down where the process is told to stop.
+        work: the work.
+        context: is shut down if the process is told to stop.
 
     Raises:
         ExternalShutdownException: the process is told to stop; the thread still runs.
@@ -49,7 +49,7 @@ def run_aside(work: Callable[[], Result], context: Context) -> Result:
         except BaseException as error:  # noqa: BLE001 - the caller raises it
             outcome.set_exception(error)
 
-    threading.Thread(target=run, name='aside', daemon=True).start()
+    threading.Thread(target=run, name='background', daemon=True).start()
     while not wait([outcome], _POLL_PERIOD).done:
         if not context.ok():
             raise ExternalShutdownException

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""`pose_node`: the program around the node."""
+"""The program `pose_node`."""
 
 import os
 import signal
@@ -29,10 +29,10 @@ def main(args: list[str] | None = None) -> int:
     """Run the node until SIGINT or SIGTERM and return the exit status.
 
     Args:
-        args: the command line with --ros-args; None for the process's own.
+        args: the command line with --ros-args; None for that of the process.
     """
     for number in (signal.SIGINT, signal.SIGTERM):
-        # While libraries are loaded there is nothing to close; the node takes over afterwards.
+        # While libraries are imported there is nothing to close; the node sets other handlers.
         signal.signal(number, lambda *_: os._exit(0))
     try:
         load_with_ros('lsc_pose_ros.ros.node.run').run_node(args)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The live node: its states, and its parameters."""
+"""The lifecycle node: its states and its parameters."""
 
 import traceback
 from collections.abc import Callable, Iterable
@@ -25,26 +25,26 @@ from rclpy.parameter import Parameter
 
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.ros.node.background_task import run_aside
+from lsc_pose_ros.ros.node.background_task import run_in_background
 from lsc_pose_ros.ros.node.parameter_rules import integers_as_doubles, refusal
 from lsc_pose_ros.ros.node.parameters import declare_parameters, read_parameters
-from lsc_pose_ros.ros.node.pipeline import Activity
-from lsc_pose_ros.ros.node.preparation import Prepared, prepare
+from lsc_pose_ros.ros.node.pipeline import Pipeline
+from lsc_pose_ros.ros.node.preparation import Resources, prepare_resources
 
 JOINT_NAMES = 'joint_names'
 
-# A process that is told to stop waits so long for the answer that is being worked on, seconds.
-PATIENCE_AT_THE_END = 0.5
+SHUTDOWN_TIMEOUT = 0.5
+"""Seconds for which a process that is told to stop waits for the current frame."""
 
 
 class PoseNode(LifecycleNode):
-    """Publishes the joints of everybody whom a depth image and its mask show.
+    """Publishes the joints of the bodies that a depth image and its mask show.
 
-    A managed node: the model is loaded and the kernels are compiled when it is configured, and
-    released when it is cleaned up; it listens and publishes while it is active.
+    A managed node: it loads the model and compiles the kernels when it is configured, and
+    releases the model when it is cleaned up. It subscribes and publishes while it is active.
 
     Attributes:
-        autostart: whether it is to be started as soon as it is there.
+        autostart: whether the node shall be started as soon as it exists.
     """
 
     def __init__(self) -> None:
@@ -55,13 +55,13 @@ class PoseNode(LifecycleNode):
         """
         super().__init__('pose_node')
         self.autostart = declare_parameters(self).autostart
-        self._prepared: Prepared | None = None
-        self._activity: Activity | None = None
-        self._trouble: Exception | None = None
+        self._resources: Resources | None = None
+        self._pipeline: Pipeline | None = None
+        self._failure: Exception | None = None
         self._starting = False
         self.add_pre_set_parameters_callback(integers_as_doubles)
-        self.add_on_set_parameters_callback(self._judge)
-        self.add_post_set_parameters_callback(self._adopt)
+        self.add_on_set_parameters_callback(self._check_changes)
+        self.add_post_set_parameters_callback(self._apply_changes)
 
     def start(self) -> None:
         """Configure and activate.
@@ -72,46 +72,48 @@ class PoseNode(LifecycleNode):
         """
         self._starting = True
         for trigger in (self.trigger_configure, self.trigger_activate):
-            self._trouble = None
+            self._failure = None
             trigger()
-            if self._trouble is not None:
-                raise self._trouble
+            if self._failure is not None:
+                raise self._failure
         self._starting = False
 
     def close(self) -> None:
-        """Stop listening; no more is published afterwards."""
-        self._end_activity(PATIENCE_AT_THE_END)
+        """Unsubscribe and stop publishing."""
+        self._close_pipeline(SHUTDOWN_TIMEOUT)
 
     def on_configure(self, _state: LifecycleState) -> TransitionCallbackReturn:
-        """Load the model, compile the kernels."""
-        return self._attempt(self._configure)
+        """Load the model and compile the kernels."""
+        return self._run_transition(self._configure)
 
     def on_activate(self, _state: LifecycleState) -> TransitionCallbackReturn:
-        """Subscribe and advertise."""
-        return self._attempt(self._activate)
+        """Advertise and subscribe."""
+        return self._run_transition(self._activate)
 
     def on_deactivate(self, _state: LifecycleState) -> TransitionCallbackReturn:
-        """Unsubscribe, and publish no more."""
-        return self._attempt(self._end_activity)
+        """Unsubscribe and stop publishing."""
+        return self._run_transition(self._close_pipeline)
 
     def on_cleanup(self, _state: LifecycleState) -> TransitionCallbackReturn:
-        """Release the model and all else."""
-        return self._attempt(self._release)
+        """Release the model and everything else."""
+        return self._run_transition(self._release)
 
     def on_shutdown(self, _state: LifecycleState) -> TransitionCallbackReturn:
-        """Release all, whatever the state."""
-        return self._attempt(self._release)
+        """Release everything, in any state."""
+        return self._run_transition(self._release)
 
     def on_error(self, _state: LifecycleState) -> TransitionCallbackReturn:
-        """Release all after a transition that broke down, so that it can be tried anew."""
-        return self._attempt(self._release)
+        """Release everything after a transition that failed, so that it can be tried again."""
+        return self._run_transition(self._release)
 
     def _configure(self) -> None:
         parameters = read_parameters(self)
-        self._prepared = run_aside(lambda: prepare(self, parameters), self.context)
+        self._resources = run_in_background(
+            lambda: prepare_resources(self, parameters), self.context
+        )
         self.declare_parameter(
             JOINT_NAMES,
-            names_of(self._prepared.model.joints),
+            names_of(self._resources.model.joints),
             ParameterDescriptor(
                 description="The model's joints, in the order of the skeletons' columns.",
                 read_only=True,
@@ -120,55 +122,56 @@ class PoseNode(LifecycleNode):
         )
 
     def _activate(self) -> None:
-        if self._prepared is None:
+        if self._resources is None:
             msg = 'there is no model'
             raise RuntimeError(msg)
-        self._activity = Activity(self, read_parameters(self), self._prepared)
-        topics = ', '.join(self._activity.inputs.topics.listened)
+        self._pipeline = Pipeline(self, read_parameters(self), self._resources)
+        topics = ', '.join(self._pipeline.inputs.topics.subscribed)
         self.get_logger().info(f'ready: listening to {topics}')
 
-    def _end_activity(self, patience: float = 5.0) -> None:
-        activity, self._activity = self._activity, None
-        if activity is not None:
-            activity.close(patience)
+    def _close_pipeline(self, timeout: float = 5.0) -> None:
+        pipeline, self._pipeline = self._pipeline, None
+        if pipeline is not None:
+            pipeline.close(timeout)
 
     def _release(self) -> None:
-        self._end_activity()
-        prepared, self._prepared = self._prepared, None
-        if prepared is not None:
-            prepared.outputs.close()
+        self._close_pipeline()
+        resources, self._resources = self._resources, None
+        if resources is not None:
+            resources.outputs.close()
         if self.has_parameter(JOINT_NAMES):
-            self.describe_parameter(JOINT_NAMES).read_only = False  # else it stays for ever
+            # A read-only parameter cannot be undeclared.
+            self.describe_parameter(JOINT_NAMES).read_only = False
             self.undeclare_parameter(JOINT_NAMES)
 
-    def _attempt(self, step: Callable[[], None]) -> TransitionCallbackReturn:
-        """Take a step from one state to the next, and tell why where that fails."""
+    def _run_transition(self, transition: Callable[[], None]) -> TransitionCallbackReturn:
+        """Run the work of a transition, and log the reason if it fails."""
         try:
-            step()
+            transition()
         except (InputError, ExternalShutdownException) as error:
-            self._trouble = error
-            self._tell(str(error))
+            self._failure = error
+            self._log_failure(str(error))
             return TransitionCallbackReturn.FAILURE
-        except Exception as error:  # noqa: BLE001 - rclpy would say nothing of it
-            self._trouble = error
-            self._tell(''.join(traceback.format_exception(error)))
+        except Exception as error:  # noqa: BLE001 - rclpy would not log it
+            self._failure = error
+            self._log_failure(''.join(traceback.format_exception(error)))
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
 
-    def _tell(self, text: str) -> None:
-        # At the start, the program tells it and ends.
+    def _log_failure(self, text: str) -> None:
+        # While the node starts, `start` raises the error and the program reports it.
         if not self._starting and self.context.ok():
             self.get_logger().error(text)
 
-    def _judge(self, changes: Iterable[Parameter]) -> SetParametersResult:
-        prepared = self._prepared
+    def _check_changes(self, changes: Iterable[Parameter]) -> SetParametersResult:
+        resources = self._resources
         reason = refusal(
             changes,
-            configured=prepared is not None,
-            points=prepared.model.settings.points if prepared is not None else 0,
+            configured=resources is not None,
+            points=resources.model.settings.points if resources is not None else 0,
         )
         return SetParametersResult(successful=not reason, reason=reason)
 
-    def _adopt(self, _changes: Iterable[Parameter]) -> None:
-        if self._activity is not None:
-            self._activity.change(read_parameters(self))
+    def _apply_changes(self, _changes: Iterable[Parameter]) -> None:
+        if self._pipeline is not None:
+            self._pipeline.apply(read_parameters(self))

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the node does while it is active: it listens, lets the worker estimate, publishes."""
+"""The path of a frame through the active node: subscriptions, estimation, publishers."""
 
 import traceback
 
@@ -25,130 +25,134 @@ from lsc_pose_ros.estimation.temporal import Sequence
 from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
-from lsc_pose_ros.ros.health.stream_warnings import Counters, Situation, complaints
-from lsc_pose_ros.ros.health.throttled_log import Reports
+from lsc_pose_ros.ros.health.stream_warnings import Counters, StreamContext, stream_warnings
+from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
 from lsc_pose_ros.ros.io.inputs import Inputs
-from lsc_pose_ros.ros.node.preparation import Prepared
+from lsc_pose_ros.ros.node.preparation import Resources
 from lsc_pose_ros.ros.node.worker import Worker
 from lsc_pose_ros.segmentation.segmenter import make_segmenter
 from lsc_pose_ros.settings.table import NodeSettings
 
-WATCH_PERIOD = 5.0
+WARNING_PERIOD = 5.0
+"""Seconds from one check of the stream to the next."""
 
-# A standing trouble is told this often, seconds.
 REMINDER_PERIOD = 30.0
+"""Seconds after which a warning about a lasting problem is repeated."""
 
 
-class Activity:
-    """From activation to deactivation: subscriptions, a worker, open publishers, a watch.
+class Pipeline:
+    """Estimates frames from activation to deactivation.
 
-    The executor's thread receives and pairs the messages; one worker thread estimates and
-    publishes. Between them waits at most one pair, the newest.
+    The executor's thread receives and synchronizes the messages; one worker thread estimates and
+    publishes. At most one frame waits between them, the newest.
 
     Attributes:
-        inputs: what is listened to.
+        inputs: the subscriptions.
     """
 
-    def __init__(self, node: Node, parameters: NodeSettings, prepared: Prepared) -> None:
-        """Begin.
+    def __init__(self, node: Node, parameters: NodeSettings, resources: Resources) -> None:
+        """Open the publishers, subscribe and start the worker.
 
         Args:
             node: the node.
             parameters: its parameters.
-            prepared: what it made when it was configured.
+            resources: the model and the publishers.
 
         Raises:
-            InputError: the parameters ask for what is not there.
+            InputError: the parameters need a package that is not installed.
         """
         self._node = node
         self._parameters = parameters
-        self._prepared = prepared
-        self._reports = Reports(node.get_logger())
-        self._reminders = Reports(node.get_logger(), REMINDER_PERIOD)
-        self._sequence = Sequence(prepared.estimator(parameters), parameters)
+        self._resources = resources
+        self._log = ThrottledLog(node.get_logger())
+        self._reminders = ThrottledLog(node.get_logger(), REMINDER_PERIOD)
+        self._sequence = Sequence(resources.estimator(parameters), parameters)
         self._segmenter = make_segmenter(parameters)
-        self._ready = True
-        self._tell_what_is_learnt()
-        self._outputs = prepared.outputs
+        self._segmenter_was_ready = True
+        self._log_learning()
+        self._outputs = resources.outputs
         self._outputs.parameters = parameters
         self._outputs.open()
-        self._worker: Worker[FrameMessages] = Worker(self._answer, self._fail, 'estimation')
-        self.inputs = Inputs(node, parameters, self._reports, self._worker.submit)
-        self._seen = self._counters()
+        self._worker: Worker[FrameMessages] = Worker(
+            self._process, self._report_failure, 'estimation'
+        )
+        self.inputs = Inputs(node, parameters, self._log, self._worker.submit)
+        self._last_counters = self._counters()
         self._diagnostics = Diagnostics(node, self._counters)
-        # Trouble is real time's, whatever clock the recording brings.
-        steady = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(WATCH_PERIOD, self._watch, clock=steady)
+        # Problems occur in real time, whatever the clock of a recording shows.
+        clock = Clock(clock_type=ClockType.STEADY_TIME)
+        self._timer = node.create_timer(WARNING_PERIOD, self._log_warnings, clock=clock)
         self._worker.start()
 
-    def change(self, parameters: NodeSettings) -> None:
-        """Go on with other values of the parameters that can be changed at any time."""
+    def apply(self, parameters: NodeSettings) -> None:
+        """Use other values of the parameters that can change at any time."""
         before, self._parameters = self._parameters, parameters
         self._outputs.parameters = parameters
         self._sequence.settings = parameters
         if parameters.query_points != before.query_points:
-            self._sequence.estimator = self._prepared.estimator(parameters)
+            self._sequence.estimator = self._resources.estimator(parameters)
         if parameters.sync_slop != before.sync_slop:
             self.inputs.set_sync_slop(parameters.sync_slop)
 
-    def close(self, patience: float = 5.0) -> None:
-        """Stop listening, and publish no more.
+    def close(self, timeout: float = 5.0) -> None:
+        """Unsubscribe and stop publishing.
 
         Args:
-            patience: seconds to wait for the answer that is being worked on.
+            timeout: seconds to wait for the frame that the worker processes.
         """
         self.inputs.close()
-        self._worker.close(patience)
+        self._worker.close(timeout)
         self._node.destroy_timer(self._timer)
         self._diagnostics.close()
         self._outputs.close()
 
-    def _answer(self, pair: FrameMessages) -> None:
-        """Answer one depth image; in the worker's thread."""
-        stage = self._diagnostics.measuring.stage
+    def _process(self, messages: FrameMessages) -> None:
+        """Estimate and publish one frame; called in the worker's thread."""
+        stage = self._diagnostics.measurements.stage
         with stage('decode'):
             frame = frame_of(
-                pair, self.inputs.topics, self._parameters.mask_background, self._segmenter
+                messages, self.inputs.topics, self._parameters.mask_background, self._segmenter
             )
-        self._tell_what_is_learnt()
+        self._log_learning()
         clock = StageClock()
         with stage('estimate'):
             skeletons = self._sequence.answer(
                 frame.stamp, frame.depth, frame.labels, frame.camera, clock
             )
-        self._diagnostics.measuring.add_stages(clock.seconds)
+        self._diagnostics.measurements.add_stages(clock.seconds)
         with stage('publish'):
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
-        self._diagnostics.answered(frame.stamp, len(skeletons.bodies))
+        self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
 
-    def _tell_what_is_learnt(self) -> None:
+    def _log_learning(self) -> None:
+        """Log when the segmenter starts and finishes to learn the empty scene."""
         ready = self._segmenter is None or self._segmenter.ready
-        if ready and not self._ready:
+        if ready and not self._segmenter_was_ready:
             self._node.get_logger().info('the empty scene is learnt')
-        elif self._ready and not ready:
+        elif self._segmenter_was_ready and not ready:
             self._node.get_logger().info('learning the empty scene: nobody should be in view')
-        self._ready = ready
+        self._segmenter_was_ready = ready
 
-    def _fail(self, error: Exception) -> None:
-        """Tell why a depth image stays unanswered; in the worker's thread."""
+    def _report_failure(self, error: Exception) -> None:
+        """Log why a frame could not be estimated; called in the worker's thread."""
         if not self._node.context.ok():
-            return  # publishing fails when the node is being shut down; that is no news
-        self._diagnostics.measuring.failed()
+            return  # publishing fails while the node shuts down, which is no problem
+        self._diagnostics.measurements.count_failure()
         if isinstance(error, InputError):
-            self._reports.error(str(error), str(error))
+            self._log.error(str(error), str(error))
         else:
             text = ''.join(traceback.format_exception(error))
-            self._reports.error(type(error).__name__, f'a frame was left out: {text}')
+            self._log.error(type(error).__name__, f'a frame was left out: {text}')
 
-    def _watch(self) -> None:
-        before, self._seen = self._seen, self._counters()
-        situation = Situation(
+    def _log_warnings(self) -> None:
+        before, self._last_counters = self._last_counters, self._counters()
+        context = StreamContext(
             self.inputs.topics,
             self.inputs.publishers(),
             str(resource('config', 'fastdds_profile.xml')),
         )
-        for kind, text in complaints(before, self._seen, situation).items():
+        for kind, text in stream_warnings(before, self._last_counters, context).items():
             self._reminders.warning(kind, text)
 
     def _counters(self) -> Counters:

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the node makes when it is configured: a model and publishers, checked and warmed up."""
+"""Loads the model and makes the publishers when the node is configured, and warms them up."""
 
 import threading
 import time
@@ -35,15 +35,15 @@ from lsc_pose_ros.ros.io.outputs import Outputs
 from lsc_pose_ros.segmentation.segmenter import make_segmenter
 from lsc_pose_ros.settings.table import NodeSettings
 
-# Kernels that are kept on disk are ready within this time, seconds.
 QUICK_START = 3.0
+"""Kernels from the cache on disk are ready within this time, seconds."""
 
 
-class Prepared(NamedTuple):
-    """What answers need, ready for the first of them.
+class Resources(NamedTuple):
+    """What the node holds while it is configured.
 
     Attributes:
-        model: as it was trained.
+        model: the model as it was trained.
         outputs: the publishers, not yet open.
     """
 
@@ -51,42 +51,45 @@ class Prepared(NamedTuple):
     outputs: Outputs
 
     def estimator(self, parameters: NodeSettings) -> Estimator:
-        """Return an estimator as `parameters` ask for it."""
+        """Return the estimator that `parameters` ask for."""
         return make_estimator(self.model, parameters, 'parameter query_points')
 
 
-def prepare(node: Node, parameters: NodeSettings) -> Prepared:
-    """Load the model, and do once all that an answer takes: the first time takes far longer.
+def prepare_resources(node: Node, parameters: NodeSettings) -> Resources:
+    """Load the model, and run everything once that an estimate needs.
+
+    The first run takes much longer than the following ones.
 
     Args:
-        node: the node; it is not touched, so that any thread may prepare.
-        parameters: the node's.
+        node: the node; it is not changed, so that any thread may prepare.
+        parameters: its parameters.
 
     Raises:
-        InputError: the parameters do not go together, or the model cannot be used.
+        InputError: the parameters do not fit each other, or the model cannot be used.
     """
     segmenter = make_segmenter(parameters)
     model = _load(parameters.model)
-    prepared = Prepared(model, Outputs(node, parameters, model.edges))
-    estimator = prepared.estimator(parameters)
-    with _told_if_it_takes_long(node):
-        prepared.outputs.rehearse(warm_up(estimator))
+    resources = Resources(model, Outputs(node, parameters, model.edges))
+    estimator = resources.estimator(parameters)
+    with _logged_duration(node):
+        resources.outputs.warm_up(warm_up(estimator))
         if segmenter is not None:
             warm_up_segmenter(segmenter, parameters.background_seconds)
-    return prepared
+    return resources
 
 
 @contextmanager
-def _told_if_it_takes_long(node: Node) -> Iterator[None]:
+def _logged_duration(node: Node) -> Iterator[None]:
+    """Log how long the kernels take, and log in advance if it takes long."""
     begin = time.monotonic()
     notice = 'compiling the kernels, which takes about half a minute'
-    patience = threading.Timer(QUICK_START, node.get_logger().info, [notice])
-    patience.daemon = True
-    patience.start()
+    timer = threading.Timer(QUICK_START, node.get_logger().info, [notice])
+    timer.daemon = True
+    timer.start()
     try:
         yield
     finally:
-        patience.cancel()
+        timer.cancel()
     seconds = time.monotonic() - begin
     node.get_logger().info(f'kernels ready in {seconds:.1f} s ({describe_cache()})')
 

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Runs the node until it is told to stop."""
+"""Runs the node until the process is told to stop."""
 
 import os
 import signal
@@ -26,10 +26,10 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.node.node import PoseNode
 
-# Seconds after which one thread lets another go on, a tenth of Python's own: the worker, whose
-# frame is to be answered, otherwise waits as long for the thread that receives messages. At
-# 640x480 and 30 Hz on two busy cores, the 95th percentile of latency was 10.8 ms instead of 11.5
-# (three runs each, all of them lower), and the processor's load the same.
+# Seconds after which Python switches to another thread, a tenth of its default: otherwise the
+# worker, which has a frame to estimate, waits longer for the thread that receives messages. At
+# 640x480 and 30 Hz on two busy cores, the 95th percentile of the latency was 10.8 ms instead of
+# 11.5 (lower in each of three runs), with the same load of the processor.
 _SWITCH_INTERVAL = 0.0005
 
 
@@ -37,30 +37,30 @@ def run_node(words: list[str] | None = None) -> None:
     """Run the node until SIGINT or SIGTERM.
 
     Args:
-        words: the command line with --ros-args; None for the process's own.
+        words: the command line with --ros-args; None for that of the process.
 
     Raises:
         InputError: an argument, a parameter or the model cannot be used.
     """
-    told_to_stop = _note_signals()
+    received_signals = _record_signals()
     sys.setswitchinterval(_SWITCH_INTERVAL)
     try:
         rclpy.init(args=words)
-    except RuntimeError as error:  # what all of rclpy's own errors are
+    except RuntimeError as error:  # the base class of rclpy's own errors
         msg = f'the arguments after --ros-args cannot be read: {error}'
         raise InputError(msg) from error
     try:
-        if not told_to_stop:
+        if not received_signals:
             _spin()
     except ExternalShutdownException:
-        pass  # the ordinary end
+        pass  # the normal end
     except RuntimeError:
         if rclpy.ok():
             raise
-        # Told to stop while it was at something: nothing more can be made of ROS.
+        # The process was told to stop while it used ROS, which then raises errors.
     finally:
         rclpy.try_shutdown()
-    _leave_threads_behind()
+    _exit_despite_threads()
 
 
 def _spin() -> None:
@@ -68,7 +68,7 @@ def _spin() -> None:
     try:
         if node.autostart:
             node.start()
-        # One thread is enough: its callbacks only pass messages on to the worker.
+        # One thread is enough: its callbacks only hand messages to the worker.
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         executor.spin()
@@ -77,23 +77,23 @@ def _spin() -> None:
         node.destroy_node()
 
 
-def _note_signals() -> list[int]:
-    """Let SIGINT and SIGTERM shut down ROS alone; return where they are noted.
+def _record_signals() -> list[int]:
+    """Make SIGINT and SIGTERM shut down only ROS; return the list of the received signals.
 
-    Python's own KeyboardInterrupt would break off whatever is being done. rclpy, which is started
-    afterwards, shuts down its context and then calls these handlers.
+    Python's own KeyboardInterrupt would interrupt any code. rclpy, which is initialised later,
+    shuts down its context and then calls these handlers.
     """
-    noted: list[int] = []
+    received: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda which, _frame: noted.append(which))
-    return noted
+        signal.signal(number, lambda which, _frame: received.append(which))
+    return received
 
 
-def _leave_threads_behind() -> None:
-    """End the process if a thread is still at work.
+def _exit_despite_threads() -> None:
+    """End the process if a thread still runs.
 
-    It may be compiling kernels, which nothing can interrupt, and which crashes where Python takes
-    itself apart underneath.
+    The thread may be compiling kernels, which cannot be interrupted and which crashes when the
+    interpreter is finalised.
     """
     if threading.active_count() > 1:
         sys.stdout.flush()

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One thread that works on the newest item: how the node keeps up with any camera."""
+"""A thread that works on the newest item: the node keeps up with a camera of any rate."""
 
 import threading
 from collections.abc import Callable
@@ -23,33 +23,34 @@ Item = TypeVar('Item')
 
 
 class Worker(Generic[Item]):
-    """A thread with a slot for one waiting item; a newer item takes the older one's place.
+    """A thread with a slot for one waiting item; a newer item replaces the waiting one.
 
-    So the answer is never older than one item's work, and memory does not grow, however fast the
-    items come. The last item that is submitted is always worked on.
+    The delay of a result is bounded by the work on two items, and the memory does not grow,
+    whatever the rate of the items. The last submitted item is always worked on.
     """
 
     def __init__(
         self, work: Callable[[Item], None], failed: Callable[[Exception], None], name: str
     ) -> None:
-        """Prepare a worker; it works from `start` on.
+        """Make a worker; `start` starts it.
 
         Args:
-            work: called with one item at a time, in the worker's thread.
-            failed: called in the worker's thread with what `work` raised; work then goes on.
-            name: of the thread.
+            work: is called with one item at a time, in the worker's thread.
+            failed: is called in the worker's thread with an exception of `work`; the worker then
+                continues with the next item.
+            name: the name of the thread.
         """
         self._work = work
         self._failed = failed
         self._changed = threading.Condition()
-        self._waiting: list[Item] = []  # never more than one
+        self._waiting: list[Item] = []  # at most one
         self._closed = False
         self._replaced = 0
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
 
     @property
     def replaced(self) -> int:
-        """How many items a newer one has replaced before they were worked on."""
+        """The number of items that were replaced by newer ones before the work on them began."""
         return self._replaced
 
     def start(self) -> None:
@@ -57,14 +58,14 @@ class Worker(Generic[Item]):
         self._thread.start()
 
     def submit(self, item: Item) -> None:
-        """Hand over `item`; never blocks."""
+        """Put `item` into the slot; never blocks."""
         with self._changed:
             self._replaced += len(self._waiting)
             self._waiting[:] = [item]
             self._changed.notify()
 
     def close(self, timeout: float = 5.0) -> bool:
-        """End the thread after the item it works on; a waiting item is given up.
+        """End the thread after its current item; a waiting item is dropped.
 
         Args:
             timeout: seconds to wait for the thread.
@@ -88,6 +89,6 @@ class Worker(Generic[Item]):
                 item = self._waiting.pop()
             try:
                 self._work(item)
-            except Exception as error:  # noqa: BLE001 - one bad frame must not end the node
+            except Exception as error:  # noqa: BLE001 - a bad frame must not end the node
                 self._failed(error)
-            del item  # an image must not live on while the thread waits
+            del item  # an image must not stay in memory while the thread waits
