@@ -392,7 +392,10 @@ def test_node_that_gets_another_file_as_model(
 def test_transforms_without_their_package(spawn_node: Callable[..., Program]) -> None:
     node = spawn_node(publish_tf='true')
     assert node.exit_status() == 2
-    assert 'pose_node: error: parameter publish_tf: it needs the package tf2_msgs' in node.output
+    assert (
+        'pose_node: error: parameter publish_tf: the package tf2_msgs is not installed'
+        in node.output
+    )
     assert 'Traceback' not in node.output
 
 
