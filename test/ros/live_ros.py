@@ -19,7 +19,7 @@ import os
 import signal
 import subprocess
 import sys
-import time
+import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
@@ -32,12 +32,15 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
 from rclpy.client import Client
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.serialization import deserialize_message
+from rclpy.task import Future
 from sensor_msgs.msg import CameraInfo, Image, PointCloud2
 from visualization_msgs.msg import MarkerArray
+from waiting import PATIENCE, wait_until
 
 import lsc_pose_ros
 from lsc_pose_ros.bags import RecordingWriter, open_recording
@@ -59,17 +62,14 @@ ANSWERS = {
     SKELETONS: 'sensor_msgs/msg/PointCloud2',
     MARKERS: 'visualization_msgs/msg/MarkerArray',
 }
-TIMEOUT = 60.0
+NODE = '/pose_node'
 
+# Seconds from a signal until a program has ended: ten times what is promised.
+MOST_UNTIL_ENDED = 20.0
 
-def wait_until(true: Callable[[], object], seconds: float = TIMEOUT) -> bool:
-    """Wait until `true()`; return whether it was within `seconds`."""
-    deadline = time.monotonic() + seconds
-    while not true():
-        if time.monotonic() > deadline:
-            return False
-        time.sleep(0.02)
-    return True
+# Seconds after which a service is called again: rmw_fastrtps drops the answer to a client that it
+# has not found within 100 ms.
+_CALL_AGAIN = 5.0
 
 
 def generate(folder: Path, **settings: object) -> list[Frame]:
@@ -82,13 +82,26 @@ def generate(folder: Path, **settings: object) -> list[Frame]:
     return list(open_recording(folder / 'generated.mcap'))
 
 
+@contextmanager
+def default_interrupt() -> Iterator[None]:
+    """Start child processes that SIGINT ends, even if this process ignores it.
+
+    A shell lets its background jobs ignore SIGINT, and child processes inherit that.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
 class Program:
     """A Python program in its own process, and the output that it has printed so far."""
 
     def __init__(self, words: list[str], log: Path, environment: Mapping[str, str]) -> None:
         self._log = log
         self._forgotten = 0
-        with log.open('wb') as output:
+        with log.open('wb') as output, default_interrupt():
             self._process = subprocess.Popen(
                 [sys.executable, *words],
                 stdout=output,
@@ -109,29 +122,70 @@ class Program:
         """Hide the output that has been printed so far."""
         self._forgotten = len(self._log.read_text())
 
-    def prints(self, text: str, seconds: float = TIMEOUT) -> bool:
-        """Wait for `text` in the output; return whether it was printed."""
-        return wait_until(
-            lambda: text in self.output or self._process.poll() is not None, seconds
-        ) and (text in self.output)
+    def prints(self, text: str) -> bool:
+        """Wait for `text` in the output or the exit; return whether it was printed."""
+        wait_until(lambda: text in self.output or self._process.poll() is not None)
+        return text in self.output
 
     def interrupt(self) -> None:
         self._process.send_signal(signal.SIGINT)
 
-    def exit_status(self, number: signal.Signals | None = None, seconds: float = TIMEOUT) -> int:
+    def exit_status(self, number: signal.Signals | None = None) -> int:
         """Send a signal, if one is given, wait for the exit, and return the exit status."""
         if number is not None:
             self._process.send_signal(number)
-        return self._process.wait(seconds)
+        return self._process.wait(PATIENCE)
 
     def kill(self) -> None:
         if self._process.poll() is None:
             self._process.terminate()
             try:
-                self._process.wait(5)
+                self._process.wait(30)
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
+
+
+class Handshake:
+    """Proves by a service call that the node under test has found what a node has created.
+
+    A participant announces its publishers in order, and so its subscriptions. A service answers
+    only once it has found both endpoints of its client. So the answer to a client that is newer
+    than a publisher or a subscription shows that those have been found, too.
+    """
+
+    def __init__(self, node: Node, server: str = NODE, *, is_spun: bool = False) -> None:
+        """Create the client.
+
+        Args:
+            node: the node whose earlier publishers and subscriptions are to be found.
+            server: the name of the node under test.
+            is_spun: whether another thread spins `node`.
+        """
+        self._client = node.create_client(GetParameters, f'{server}/get_parameters')
+        self._node = node
+        self._is_spun = is_spun
+        self._executor = SingleThreadedExecutor(context=node.context)
+
+    def call(self) -> None:
+        """Wait until the service answers."""
+        assert self._client.wait_for_service(PATIENCE), self._client.srv_name
+        assert wait_until(self._is_answered), self._client.srv_name
+
+    def _is_answered(self) -> bool:
+        future = self._client.call_async(GetParameters.Request())
+        if self._is_spun:
+            return _becomes_done(future)
+        self._executor.add_node(self._node)
+        self._executor.spin_until_future_complete(future, _CALL_AGAIN)
+        self._executor.remove_node(self._node)
+        return future.done()
+
+
+def _becomes_done(future: Future) -> bool:
+    done = threading.Event()
+    future.add_done_callback(lambda _: done.set())
+    return done.wait(_CALL_AGAIN)
 
 
 class Camera:
@@ -141,11 +195,22 @@ class Camera:
         self.depth = node.create_publisher(Image, depth_topic, 10)
         self.camera_info = node.create_publisher(CameraInfo, 'depth/camera_info', 10)
         self.mask = node.create_publisher(Image, 'mask', 10)
+        self._handshake = Handshake(node)
 
-    def wait_for_node(self) -> None:
-        publishers = (self.depth, self.camera_info, self.mask)
+    def wait_for_node(self, *, mask: bool = True) -> None:
+        """Wait until the node receives all that is sent."""
+        publishers = (self.depth, self.camera_info, *([self.mask] if mask else []))
         assert wait_until(lambda: all(each.get_subscription_count() for each in publishers))
-        time.sleep(0.3)
+        self._handshake.call()
+
+    def wait_until_taken(self) -> None:
+        """Wait until the node has taken one message of each topic from its queue.
+
+        Its executor takes a message of each subscription before it answers a service.
+        """
+        for publisher in (self.depth, self.camera_info, self.mask):
+            assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
+        self._handshake.call()
 
     @property
     def is_unmatched(self) -> bool:
@@ -175,7 +240,8 @@ class PublishedEstimates:
         self._listener.received.clear()
 
     def wait_for_node(self) -> None:
-        assert self._listener.wait_for_publishers(TIMEOUT)
+        assert self._listener.wait_for_publishers(PATIENCE)
+        Handshake(self._listener.node, is_spun=True).call()
 
     @property
     def is_unmatched(self) -> bool:
@@ -184,10 +250,9 @@ class PublishedEstimates:
     def of(self, topic: str) -> list[bytes]:
         return [each.data for each in list(self._listener.received) if each.topic == topic]
 
-    def wait_for(self, answers: int, seconds: float = TIMEOUT) -> bool:
-        return wait_until(
-            lambda: min(len(self.of(SKELETONS)), len(self.of(MARKERS))) >= answers, seconds
-        )
+    def wait_for(self, count: int) -> bool:
+        """Wait for `count` messages of each topic; return whether they have come."""
+        return wait_until(lambda: min(len(self.of(SKELETONS)), len(self.of(MARKERS))) >= count)
 
     @property
     def clouds(self) -> list[PointCloud2]:
@@ -206,7 +271,7 @@ class PublishedEstimates:
 class NodeServices:
     """Calls the node's services from another process, as the ros2 command line does."""
 
-    def __init__(self, node: Node, name: str = '/pose_node') -> None:
+    def __init__(self, node: Node, name: str = NODE) -> None:
         self._node = node
         self._name = name
         self._executor = SingleThreadedExecutor(context=node.context)
@@ -258,7 +323,7 @@ class NodeServices:
     def _call(self, kind: type, name: str, request: object) -> Any:
         future = self._client(kind, name).call_async(request)
         self._executor.add_node(self._node)
-        self._executor.spin_until_future_complete(future, TIMEOUT)
+        self._executor.spin_until_future_complete(future, PATIENCE)
         self._executor.remove_node(self._node)
         assert future.done(), name
         return future.result()
@@ -274,7 +339,8 @@ class NodeServices:
         if client is None:
             client = self._node.create_client(kind, f'{self._name}/{name}')
             self._clients[name] = client
-        assert client.wait_for_service(TIMEOUT), name
+            Handshake(self._node, self._name).call()
+        assert client.wait_for_service(PATIENCE), name
         return client
 
 

@@ -100,7 +100,6 @@ def main() -> int:
     tell('open')
     while not all(has_subscriber(node, topic) for topic in options['topics']):
         rclpy.spin_once(node, timeout_sec=0.02)
-    time.sleep(0.3)
 
     def answer(scene: list[int]) -> None:
         stamp = node.get_clock().now().nanoseconds - round(options.get('latency', 0) * 1e9)

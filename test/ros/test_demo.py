@@ -145,7 +145,7 @@ def test_whole_demonstration_in_small(
         f'sys.exit(demo.main(["--directory", {str(tmp_path / "demo")!r}]))'
     )
     program = start_program('-c', code)
-    program.exit_status(seconds=200)
+    program.exit_status()
     assert re.search(r'answered (19|20) of 20 frames over ROS 2', program.output), program.output
     folder = tmp_path / 'demo'
     rows = re.findall(

@@ -27,7 +27,8 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import Program, wait_until
+from live_ros import MOST_UNTIL_ENDED, Handshake, Program
+from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.qos import (
     QoSDurabilityPolicy,
@@ -36,6 +37,7 @@ from rclpy.qos import (
     qos_profile_sensor_data,
 )
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
+from waiting import PATIENCE, stays, wait_until
 
 from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.messages.codecs.png import write_png
@@ -86,7 +88,7 @@ def is_reliable(probe: Node, topic: str, *, wanted: bool) -> bool:
         profile = subscription_of(probe, topic)
         return profile is not None and profile.reliability == kinds[wanted]
 
-    return wait_until(right, 10)
+    return wait_until(right)
 
 
 @pytest.fixture
@@ -109,11 +111,18 @@ class Senders:
         self.info = probe.create_publisher(CameraInfo, 'depth/camera_info', qos)
         self.mask = probe.create_publisher(Image, 'mask', qos) if mask else None
         self.all = list(filter(None, (self.depth, self.info, self.mask)))
+        self._handshake = Handshake(probe)
 
     def wait_for_connections(self) -> None:
-        assert wait_until(lambda: all(each.get_subscription_count() for each in self.all), 20)
-        time.sleep(0.3)
+        assert wait_until(lambda: all(each.get_subscription_count() for each in self.all))
+        self._handshake.call()
         self.info.publish(CameraInfo())
+
+    def wait_until_taken(self) -> None:
+        """Wait until the program has taken one message of each topic from its queue."""
+        for publisher in self.all:
+            assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
+        self._handshake.call()
 
 
 @pytest.mark.parametrize(('qos', 'reliable'), [(RELIABLE, True), (qos_profile_sensor_data, False)])
@@ -128,9 +137,9 @@ def test_subscription_is_as_the_publishers_are(
     for number in range(5):
         senders.depth.publish(image(START + number * FRAME))
         senders.mask.publish(image(START + number * FRAME, 'mono8'))
-        time.sleep(0.05)
+        senders.wait_until_taken()
     expected = [(START + number * FRAME,) * 2 for number in range(5)]
-    assert wait_until(lambda: pairs_of(program) == expected, 10), program.output
+    assert wait_until(lambda: pairs_of(program) == expected), program.output
     assert 'incompatible' not in program.output
     assert 'ERROR' not in program.output
 
@@ -145,17 +154,17 @@ def test_subscription_follows_when_the_publishers_change(
     other = probe.create_publisher(Image, 'depth/image', qos_profile_sensor_data)
     assert is_reliable(probe, '/depth/image', wanted=False)
     assert wait_until(other.get_subscription_count)
-    time.sleep(0.3)
+    Handshake(probe).call()
     other.publish(image(START))
-    assert program.prints(f'pair {START} None', 10), program.output
+    assert program.prints(f'pair {START} None'), program.output
     reliable.depth.publish(image(START + FRAME))
-    assert program.prints(f'pair {START + FRAME} None', 10), program.output
+    assert program.prints(f'pair {START + FRAME} None'), program.output
     probe.destroy_publisher(other)
     assert is_reliable(probe, '/depth/image', wanted=True)
     assert wait_until(reliable.depth.get_subscription_count)
-    time.sleep(0.3)
+    Handshake(probe).call()
     reliable.depth.publish(image(START + 2 * FRAME))
-    assert program.prints(f'pair {START + 2 * FRAME} None', 10), program.output
+    assert program.prints(f'pair {START + 2 * FRAME} None'), program.output
     assert 'incompatible' not in program.output
 
 
@@ -167,9 +176,9 @@ def test_camera_info_that_was_published_once_before_is_received(
     program = listen('segmentation=nearest')
     depth = probe.create_publisher(Image, 'depth/image', 10)
     assert wait_until(depth.get_subscription_count)
-    time.sleep(0.3)
+    Handshake(probe).call()
     depth.publish(image(START))
-    assert program.prints(f'pair {START} None', 10), program.output
+    assert program.prints(f'pair {START} None'), program.output
 
 
 @pytest.mark.parametrize('reliability', ['reliable', 'best_effort'])
@@ -186,7 +195,7 @@ def test_incompatible_publisher_is_named_with_the_remedy(
 ) -> None:
     program = listen('reliability=reliable')
     probe.create_publisher(Image, 'mask', qos_profile_sensor_data)
-    assert program.prints('/mask: a publisher offers an incompatible RELIABILITY', 10)
+    assert program.prints('/mask: a publisher offers an incompatible RELIABILITY')
     assert 'set the parameter reliability to auto' in program.output
 
 
@@ -198,18 +207,17 @@ def test_publisher_of_another_type_is_named_with_the_remedy(
 ) -> None:
     program = listen()
     probe.create_publisher(CompressedImage, topic, 10)
-    assert program.prints(f'/{topic}: a publisher sends sensor_msgs/msg/CompressedImage', 10)
+    assert program.prints(f'/{topic}: a publisher sends sensor_msgs/msg/CompressedImage')
     assert f'set the parameter {parameter}' in program.output
-    time.sleep(1)
-    assert program.output.count('a publisher sends') == 1
+    assert stays(lambda: program.output.count('a publisher sends') == 1)
 
 
 def test_silence_is_told_topic_by_topic(listen: Callable[..., Program], probe: Node) -> None:
     program = listen()
     probe.create_publisher(Image, 'depth/image', 10)
-    assert program.prints('nothing received on /depth/image for 1 s (', 10)
-    assert program.prints('nothing received on /mask for 1 s (no publishers)', 10)
-    assert program.prints('no camera info received on /depth/camera_info (no publishers)', 10)
+    assert program.prints('nothing received on /depth/image for 1 s (')
+    assert program.prints('nothing received on /mask for 1 s (no publishers)')
+    assert program.prints('no camera info received on /depth/camera_info (no publishers)')
     assert '[WARN]' in program.output
 
 
@@ -229,14 +237,14 @@ def test_compressed_images_come_beside_their_remapped_topics(
         )
     )
     for each in (depth, info, mask):
-        assert wait_until(each.get_subscription_count, 20)
-    time.sleep(0.3)
+        assert wait_until(each.get_subscription_count)
+    Handshake(probe, '/robot/pose_node').call()
     info.publish(CameraInfo())
     form, data = encode_compressed_depth(np.ones((3, 4), np.uint16))
     depth.publish(stamped(CompressedImage(format=form, data=array.array('B', data)), START))
     png = array.array('B', write_png(np.ones((3, 4), np.uint8)))
     mask.publish(stamped(CompressedImage(format='mono8; png compressed', data=png), START))
-    assert program.prints(f'pair {START} {START}', 10), program.output
+    assert program.prints(f'pair {START} {START}'), program.output
 
 
 def test_late_double_and_disordered_images_are_counted_and_told(
@@ -248,14 +256,14 @@ def test_late_double_and_disordered_images_are_counted_and_told(
     stamps = [START + number * FRAME for number in range(12)]
     for stamp in stamps:
         senders.depth.publish(image(stamp))
-        time.sleep(0.02)
+        senders.wait_until_taken()
     for number in (1, 0, 3, 3, 2, 5, 4, 7, 6, 9, 8, 11):
         senders.mask.publish(image(stamps[number], 'mono8'))
-        time.sleep(0.02)
+        senders.wait_until_taken()
     senders.depth.publish(image(stamps[2]))
     odd = [(stamp, stamp) for stamp in stamps[1::2]]
-    assert wait_until(lambda: pairs_of(program) == odd, 10), program.output
-    assert wait_until(lambda: 'late=6' in program.output, 10), program.output
+    assert wait_until(lambda: pairs_of(program) == odd), program.output
+    assert wait_until(lambda: 'late=6' in program.output), program.output
     counters = counters_of(program)
     assert counters._replace(lost=0, missing=0) == Counters(
         depth=13,
@@ -267,7 +275,7 @@ def test_late_double_and_disordered_images_are_counted_and_told(
         late=6,
         out_of_order=6,
     )
-    assert program.prints('came after newer ones; let one publisher send each topic', 10)
+    assert program.prints('came after newer ones; let one publisher send each topic')
 
 
 def test_near_stamps_pair_within_the_slop(listen: Callable[..., Program], probe: Node) -> None:
@@ -277,13 +285,15 @@ def test_near_stamps_pair_within_the_slop(listen: Callable[..., Program], probe:
     for number in range(3):
         senders.depth.publish(image(START + number * FRAME))
         senders.mask.publish(image(START + number * FRAME + 4_000_000, 'mono8'))
+        senders.wait_until_taken()
     senders.mask.publish(image(START + 3 * FRAME + 6_000_000, 'mono8'))
     senders.depth.publish(image(START + 3 * FRAME))
-    assert program.prints(f'pair {START + 2 * FRAME} ', 10), program.output
-    time.sleep(0.5)
-    assert pairs_of(program) == [
+    expected = [
         (START + number * FRAME, START + number * FRAME + 4_000_000) for number in range(3)
     ]
+    assert wait_until(lambda: pairs_of(program) == expected), program.output
+    senders.wait_until_taken()
+    assert stays(lambda: pairs_of(program) == expected)
 
 
 def test_missing_images_are_told_with_the_profile(
@@ -295,17 +305,17 @@ def test_missing_images_are_told_with_the_profile(
     random = np.random.default_rng(0)
     for number in np.flatnonzero(random.random(400) < 0.5):
         senders.depth.publish(image(START + int(number) * FRAME))
-        time.sleep(0.01)
-    assert program.prints('according to the stamps of /depth/image', 10), program.output
+        senders.wait_until_taken()
+    assert program.prints('according to the stamps of /depth/image'), program.output
     assert 'FASTRTPS_DEFAULT_PROFILES_FILE=/share/fastdds_profile.xml' in program.output
-    assert wait_until(lambda: counters_of(program).missing > 100, 5)
+    assert wait_until(lambda: counters_of(program).missing > 100)
 
 
 def test_closing_ends_at_once_and_quietly(listen: Callable[..., Program], probe: Node) -> None:
     program = listen()
     Senders(probe).wait_for_connections()
     begin = time.monotonic()
-    assert program.exit_status(signal.SIGTERM, 10) == 0
-    assert time.monotonic() - begin < 2
+    assert program.exit_status(signal.SIGTERM) == 0
+    assert time.monotonic() - begin < MOST_UNTIL_ENDED
     assert 'closed' in program.output
     assert 'Traceback' not in program.output

@@ -26,11 +26,12 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
-from live_ros import TIMEOUT, Program, wait_until
+from live_ros import Program
 from rclpy.node import Node
 from rclpy.serialization import deserialize_message
 from rosbags.typesys import Stores, get_typestore
 from visualization_msgs.msg import Marker, MarkerArray
+from waiting import wait_until
 
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.ros.playback.listener import Listener, open_listener
@@ -204,8 +205,7 @@ def test_diagnostics(run: Run) -> None:
 
         stale = messages.DiagnosticStatus.STALE
         assert wait_until(
-            lambda: [each.level for each in statuses()[-1:]] == [stale] and len(statuses()) > 3,
-            TIMEOUT,
+            lambda: [each.level for each in statuses()[-1:]] == [stale] and len(statuses()) > 3
         )
     found = statuses()
     assert {each.name for each in found} == {'program: pose estimation'}
@@ -216,11 +216,10 @@ def test_diagnostics(run: Run) -> None:
     ]
     assert busy
     values = {each.key: each.value for each in busy[-1].values}
-    assert 20 < float(values['estimates out (Hz)']) < 40
-    assert 20 < float(values['frames in (Hz)']) < 40
+    assert 0 < float(values['estimates out (Hz)']) <= float(values['frames in (Hz)'])
     assert values['bodies'] == '2'
-    assert 20 <= float(values['latency p50 (ms)']) <= float(values['latency p95 (ms)']) < 500
-    assert 5 <= float(values['estimate p50 (ms)']) < 50
+    assert 20 <= float(values['latency p50 (ms)']) <= float(values['latency p95 (ms)'])
+    assert 5 <= float(values['estimate p50 (ms)']) <= float(values['estimate p95 (ms)'])
     errors = [each for each in found if each.level == messages.DiagnosticStatus.ERROR]
     assert sum(int(each.message.split()[0]) for each in errors) == 3
     assert {each.key: each.value for each in found[-1].values}['depth'] == '73'

@@ -27,18 +27,20 @@ import pytest
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
 from live_ros import (
+    MOST_UNTIL_ENDED,
     Camera,
+    Handshake,
     NodeServices,
     NodeUnderTest,
     Program,
     PublishedEstimates,
     generate,
-    wait_until,
 )
 from rclpy.node import Node
 from rclpy.qos import qos_profile_sensor_data
 from sensor_msgs.msg import CompressedImage, Image, PointField
 from visualization_msgs.msg import Marker
+from waiting import wait_until
 
 from lsc_pose_ros.bags.serialization.serialize import camera_info_message, mask_message
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
@@ -51,6 +53,13 @@ from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
 from lsc_pose_ros.settings.table import SegmentationSettings
 
 SLOW_NODE = Path(__file__).parent / 'slow_node.py'
+
+# Images a second of a fast camera.
+CAMERA_RATE = 100.0
+
+# Seconds in which the node logs the same trouble once.
+THROTTLE_PERIOD = 5.0
+
 DEFAULT_CAMERA = Path(__file__).parent / 'default_camera.py'
 
 
@@ -103,10 +112,9 @@ def test_every_frame_is_answered_as_offline(
 ) -> None:
     node = start_node()
     wait_for_connections(camera, estimates)
-    for frame in frames:
+    for count, frame in enumerate(frames, 1):  # a busy node would skip to the newest frame
         camera.send(frame)
-        time.sleep(1 / 15)
-    assert estimates.wait_for(len(frames), 10), node.output
+        assert estimates.wait_for(count), node.output
     expected = offline(model, frames)
     found = estimates.skeletons
     assert list(found) == [frame.stamp for frame in frames]
@@ -115,7 +123,9 @@ def test_every_frame_is_answered_as_offline(
     assert np.isfinite([each.positions for each in found.values()]).any()
     assert {cloud.header.frame_id for cloud in estimates.clouds} == {frames[0].frame_id}
     assert node.exit_status(signal.SIGINT) == 0
-    assert 'WARN' not in node.output
+    # A busy computer may take so long to connect them that the node says what is silent.
+    warnings = [line for line in node.output.splitlines() if 'WARN' in line]
+    assert all(' received on ' in each for each in warnings), warnings
     assert 'ERROR' not in node.output
 
 
@@ -187,10 +197,10 @@ def test_mask_slower_and_later_than_depth(
     masked = frames[: len(frames) - delay : 3]
     for number, frame in enumerate(frames):
         camera.send_depth(frame)
+        camera.wait_until_taken()
         if number >= delay and number % 3 == 0:
             camera.send_mask(frames[number - delay])
-        time.sleep(1 / 30)
-    assert estimates.wait_for(len(masked), 10)
+            assert estimates.wait_for((number - delay) // 3 + 1)
     expected = offline(model, masked)
     assert list(estimates.skeletons) == list(expected)
     for stamp, skeletons in estimates.skeletons.items():
@@ -206,17 +216,17 @@ def test_bad_messages_are_named_and_the_next_frame_is_answered(
     camera.depth.publish(stamped(Image(encoding='rgb8', height=1, width=1), frames[1].stamp))
     camera.camera_info.publish(camera_info_message(1, 'c', good.camera, good.depth.shape))
     camera.send_mask(frames[1])
-    assert node.prints("/depth/image: depth image: unknown encoding 'rgb8'", 10), node.output
+    assert node.prints("/depth/image: depth image: unknown encoding 'rgb8'"), node.output
 
     camera.send_depth(frames[2])
     camera.send_mask(frames[2]._replace(labels=frames[2].labels[:60]))
-    assert node.prints('/mask: it is for 160 x 60 pixels', 10), node.output
+    assert node.prints('/mask: it is for 160 x 60 pixels'), node.output
 
     camera.send(frames[3]._replace(camera=good.camera._replace(fx=0.0, fy=0.0)))
-    assert node.prints('/depth/camera_info: the matrix K', 10), node.output
+    assert node.prints('/depth/camera_info: the matrix K'), node.output
 
     camera.send(good._replace(stamp=frames[4].stamp))
-    assert estimates.wait_for(1, 10), node.output
+    assert estimates.wait_for(1), node.output
     assert list(estimates.skeletons) == [frames[4].stamp]
     assert 'Traceback' not in node.output
 
@@ -230,11 +240,13 @@ def test_same_trouble_is_not_logged_with_every_frame(
     active_node: NodeUnderTest, frames: list[Frame]
 ) -> None:
     node, camera, _, _ = active_node
+    begin = time.monotonic()
     for frame in frames:
         camera.send(frame._replace(camera=frame.camera._replace(fx=0.0)))
-        time.sleep(0.03)
-    assert node.prints('the matrix K', 10)
-    assert node.output.count('the matrix K') == 1
+        camera.wait_until_taken()
+    assert node.prints('the matrix K')
+    periods = (time.monotonic() - begin) // THROTTLE_PERIOD
+    assert node.output.count('the matrix K') <= min(1 + periods, len(frames) - 1)
 
 
 def test_recording_that_is_played_twice_is_answered_twice(
@@ -243,8 +255,8 @@ def test_recording_that_is_played_twice_is_answered_twice(
     node, camera, estimates, _ = active_node
     for count, frame in enumerate([*frames, *frames], 1):
         camera.send(frame)
-        assert estimates.wait_for(count, 10), (count, node.output)
-    assert node.prints('went back', 10)
+        assert estimates.wait_for(count), (count, node.output)
+    assert node.prints('went back')
 
 
 @pytest.fixture
@@ -277,23 +289,24 @@ def test_overload_newest_wins_and_memory_does_not_grow(
     flood = [*frames, *later(frames, 1), *later(frames, 2), *later(frames, 3)]
     node = slow_node(0.25)
     wait_for_connections(camera, estimates)
+    begin = time.monotonic()
     for frame in frames[:30]:  # so that all buffers have been in use
         camera.send(frame._replace(stamp=frame.stamp - 10**9))
-        time.sleep(0.01)
+        time.sleep(1 / CAMERA_RATE)
+    assert estimates.wait_for(1), node.output
     before = resident_bytes(node.pid)
-    begin = time.monotonic()
     for frame in flood:
         camera.send(frame)
-        time.sleep(0.01)
-    seconds = time.monotonic() - begin
+        time.sleep(1 / CAMERA_RATE)
     last = flood[-1].stamp
-    assert wait_until(lambda: last in estimates.skeletons, 5), node.output
+    assert wait_until(lambda: last in estimates.skeletons), node.output
+    seconds = time.monotonic() - begin
     answered = list(estimates.skeletons)
     assert answered == sorted(answered)
-    assert len(answered) <= seconds / 0.25 + 10
+    assert len(answered) <= seconds / 0.25  # the slow node takes at least that long for each
     # 240 frames of depth and mask are 55 MB.
     assert resident_bytes(node.pid) - before < 20e6
-    assert node.prints('frames were left out because newer ones came', 10), node.output
+    assert node.prints('frames were left out because newer ones came'), node.output
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
@@ -307,10 +320,10 @@ def test_signal_ends_the_node_at_once_and_quietly(
     camera.wait_for_node()
     for frame in frames[:10]:  # it is at work when the signal comes
         camera.send(frame)
-        time.sleep(0.01)
+        camera.wait_until_taken()
     begin = time.monotonic()
     assert node.exit_status(number) == 0
-    assert time.monotonic() - begin < 2
+    assert time.monotonic() - begin < MOST_UNTIL_ENDED
     assert 'Traceback' not in node.output
     assert 'rror' not in node.output
 
@@ -320,7 +333,7 @@ def test_publisher_of_best_effort_does_not_suit_reliable(
 ) -> None:
     node = start_node(reliability='reliable')
     probe.create_publisher(Image, 'depth/image', qos_profile_sensor_data)
-    assert node.prints('/depth/image: a publisher offers an incompatible RELIABILITY', 10)
+    assert node.prints('/depth/image: a publisher offers an incompatible RELIABILITY')
     assert 'set the parameter reliability to auto or best_effort' in node.output
 
 
@@ -328,8 +341,8 @@ def test_lost_images_are_told_with_the_remedy(
     start_node: Callable[..., Program], start_program: Callable[..., Program]
 ) -> None:
     node = start_node(reliability='best_effort')
-    start_program(DEFAULT_CAMERA, 12, FASTRTPS_DEFAULT_PROFILES_FILE='')
-    assert node.prints('the middleware lost', 20), node.output
+    start_program(DEFAULT_CAMERA, 30, FASTRTPS_DEFAULT_PROFILES_FILE='')
+    assert node.prints('the middleware lost'), node.output
     assert re.search(
         r'FASTRTPS_DEFAULT_PROFILES_FILE=\S+/config/fastdds_profile\.xml', node.output
     )
@@ -339,9 +352,9 @@ def test_with_the_profile_no_image_is_lost(
     start_node: Callable[..., Program], start_program: Callable[..., Program]
 ) -> None:
     node = start_node(reliability='best_effort')
-    start_program(DEFAULT_CAMERA, 12)
+    start_program(DEFAULT_CAMERA, 5)  # the profile's memory holds ten seconds of that
     # The same report that would name losses names what is silent.
-    assert node.prints('nothing received on /mask for 5 s (no publishers)', 20), node.output
+    assert node.prints('nothing received on /mask for 5 s (no publishers)'), node.output
     assert 'lost' not in node.output
 
 
@@ -356,8 +369,10 @@ def test_compressed_depth(
     camera = Camera(probe)
     topic = 'depth/image/compressedDepth'
     depth = probe.create_publisher(CompressedImage, topic, 10)
-    assert wait_until(depth.get_subscription_count)
-    wait_for_compressed_connections(camera, estimates)
+    publishers = (depth, camera.camera_info, camera.mask)
+    assert wait_until(lambda: all(each.get_subscription_count() for each in publishers))
+    Handshake(probe).call()
+    estimates.wait_for_node()
     frame = frames[0]
     form, data = encode_compressed_depth(np.rint(frame.depth * 1000).astype('<u2'))
     message = CompressedImage(format=form, data=list(data))
@@ -366,14 +381,8 @@ def test_compressed_depth(
     head = (frame.stamp, frame.frame_id)
     camera.camera_info.publish(camera_info_message(*head, frame.camera, frame.depth.shape))
     camera.mask.publish(mask_message(*head, frame.labels))
-    assert estimates.wait_for(1, 10)
+    assert estimates.wait_for(1)
     assert_equal(estimates.skeletons[frame.stamp], offline(model, [frame])[frame.stamp])
-
-
-def wait_for_compressed_connections(camera: Camera, estimates: PublishedEstimates) -> None:
-    assert wait_until(camera.mask.get_subscription_count)
-    estimates.wait_for_node()
-    time.sleep(0.3)
 
 
 def test_topics_are_relative_and_can_be_remapped(
@@ -385,7 +394,7 @@ def test_topics_are_relative_and_can_be_remapped(
     )
     assert node.prints('listening to /kinect/depth_rect, /robot/depth/camera_info, /robot/mask')
     names = {'/robot/pose_node/skeletons', '/robot/pose_node/joint_markers'}
-    assert wait_until(lambda: names <= {name for name, _ in probe.get_topic_names_and_types()}, 10)
+    assert wait_until(lambda: names <= {name for name, _ in probe.get_topic_names_and_types()})
 
 
 def test_nearest_body_needs_no_mask(
@@ -401,7 +410,7 @@ def test_nearest_body_needs_no_mask(
     segmenter = make_segmenter(SegmentationSettings('nearest', range_max=4.0))
     for count, frame in enumerate(frames[:3], 1):
         camera.send_depth(frame)
-        assert estimates.wait_for(count, 10), node.output
+        assert estimates.wait_for(count), node.output
     for frame in frames[:3]:
         labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
         expected = Estimator(model).estimate(frame.depth, labels, frame.camera)
@@ -417,7 +426,7 @@ def test_background_is_learnt_before_anybody_is_seen(
     services: NodeServices,
 ) -> None:
     node = start_node(segmentation='background', background_seconds=0.2)
-    assert node.prints('learning the empty scene', 5)
+    assert node.prints('learning the empty scene')
     wait_for_connections_without_mask(camera, estimates)
     wall = np.full_like(frames[0].depth, 4.0)
     empty = [frame._replace(depth=wall) for frame in frames[:10]]
@@ -427,21 +436,19 @@ def test_background_is_learnt_before_anybody_is_seen(
     ]
     for count, frame in enumerate([*empty, *seen], 1):
         camera.send_depth(frame)
-        assert estimates.wait_for(count, 10), node.output
-    assert node.prints('the empty scene is learnt', 5)
+        assert estimates.wait_for(count), node.output
+    assert node.prints('the empty scene is learnt')
     bodies = [each.bodies.tolist() for each in estimates.skeletons.values()]
     assert bodies == [[]] * 10 + [[1]] * 2
 
     assert services.change('deactivate')
     assert services.change('activate')
-    assert wait_until(lambda: node.output.count('learning the empty scene') == 2, 5)
+    assert wait_until(lambda: node.output.count('learning the empty scene') == 2)
 
 
 def wait_for_connections_without_mask(camera: Camera, estimates: PublishedEstimates) -> None:
-    publishers = (camera.depth, camera.camera_info)
-    assert wait_until(lambda: all(each.get_subscription_count() for each in publishers), 10)
+    camera.wait_for_node(mask=False)
     estimates.wait_for_node()
-    time.sleep(0.3)
     assert not camera.mask.get_subscription_count()
 
 
@@ -456,7 +463,7 @@ def test_bodies_keep_their_numbers_where_they_are_tracked(
     for count, frame in enumerate(frames[:4], 1):
         number = np.where(frame.labels != NO_BODY, 10 + count, NO_BODY)
         camera.send(frame._replace(labels=number.astype(np.int32)))
-        assert estimates.wait_for(count, 10)
+        assert estimates.wait_for(count)
     assert [each.bodies.tolist() for each in estimates.skeletons.values()] == [[11]] * 4
 
 

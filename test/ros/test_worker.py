@@ -16,9 +16,9 @@
 """The worker: the newest item wins."""
 
 import threading
-import time
 
 import pytest
+from waiting import PATIENCE, wait_until
 
 from lsc_pose_ros.ros.node.worker import Worker
 
@@ -33,7 +33,7 @@ class Slow:
 
     def __call__(self, item: int) -> None:
         self.begun.release()
-        assert self.go_on.acquire(timeout=10)
+        assert self.go_on.acquire(timeout=PATIENCE)
         self.done.append(item)
 
 
@@ -42,9 +42,7 @@ def ignore(_error: Exception) -> None:
 
 
 def wait_for(done: list[int], count: int) -> None:
-    deadline = time.monotonic() + 10
-    while len(done) < count and time.monotonic() < deadline:
-        time.sleep(0.001)
+    assert wait_until(lambda: len(done) >= count)
 
 
 def test_newest_item_replaces_those_that_wait() -> None:
@@ -52,7 +50,7 @@ def test_newest_item_replaces_those_that_wait() -> None:
     worker = Worker(slow, ignore, 'test')
     worker.start()
     worker.submit(0)
-    assert slow.begun.acquire(timeout=10)
+    assert slow.begun.acquire(timeout=PATIENCE)
     for item in range(1, 1000):
         worker.submit(item)
     slow.go_on.release(2)
@@ -96,9 +94,7 @@ def test_failure_is_told_and_work_goes_on() -> None:
     worker = Worker(work, errors.append, 'test')
     worker.start()
     worker.submit(0)
-    deadline = time.monotonic() + 10
-    while not errors and time.monotonic() < deadline:
-        time.sleep(0.001)
+    assert wait_until(lambda: errors)
     worker.submit(1)
     wait_for(done, 1)
     assert done == [1]
@@ -111,7 +107,7 @@ def test_close_waits_for_the_item_in_work_and_gives_up_the_waiting_one() -> None
     worker = Worker(slow, ignore, 'test')
     worker.start()
     worker.submit(0)
-    assert slow.begun.acquire(timeout=10)
+    assert slow.begun.acquire(timeout=PATIENCE)
     worker.submit(1)
     assert not worker.close(timeout=0.05)
     slow.go_on.release(2)
@@ -140,5 +136,5 @@ def test_item_is_not_held_after_the_work() -> None:
     weakref.finalize(item, gone.set)
     worker.submit(item)
     del item
-    assert gone.wait(10)
+    assert gone.wait(PATIENCE)
     worker.close()

@@ -36,6 +36,7 @@ class Listener:
     """Subscriptions that keep what comes; `open_listener` is the way to make one.
 
     Attributes:
+        node: the node that subscribes.
         received: the messages in the order of their arrival.
     """
 
@@ -49,6 +50,7 @@ class Listener:
         Raises:
             InputError: the package of a type is not installed.
         """
+        self.node = node
         self.received: list[SerializedMessage] = []
         self._subscriptions = []
         for topic, type_name in topics.items():
