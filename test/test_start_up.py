@@ -26,6 +26,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from waiting import COMPILING_PATIENCE
 
 import lsc_pose_ros
 from lsc_pose_ros.bags import RecordingWriter
@@ -146,7 +147,7 @@ def run(code: str, *words: object) -> list[str]:
         check=False,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=COMPILING_PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout.splitlines()

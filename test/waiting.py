@@ -3,8 +3,11 @@
 import time
 from collections.abc import Callable
 
-PATIENCE = 300.0
+PATIENCE = 600.0
 """Seconds until a test gives up, far more than what it waits for takes on a busy computer."""
+
+COMPILING_PATIENCE = 1800.0
+"""The same, if a process that compiles many kernels is waited for."""
 
 _POLL_PERIOD = 0.01
 

@@ -22,6 +22,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from waiting import PATIENCE
 
 import lsc_pose_ros
 
@@ -100,7 +101,7 @@ class Installation:
 
     def run(self, code: str, **variables: str) -> list[str]:
         program = self.start(code, **variables)
-        output, errors = program.communicate(timeout=60)
+        output, errors = program.communicate(timeout=PATIENCE)
         assert program.returncode == 0, errors
         assert errors == ''
         return output.splitlines()
@@ -230,7 +231,7 @@ print(len(outer.stats.cache_hits), len(outer.stats.cache_misses))
 """
     both = [installation.start(call.format(chosen=chosen)) for chosen in ('::2', '1::2')]
     for program in both:
-        output, errors = program.communicate(timeout=60)
+        output, errors = program.communicate(timeout=PATIENCE)
         assert program.returncode == 0, errors
         assert output.split() == ['0', '6']
     assert installation.run(call.format(chosen=':')) == ['12 0']

@@ -21,6 +21,8 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
+from waiting import COMPILING_PATIENCE
+
 # Variables that would change what a new interpreter, pip or colcon finds.
 _REMOVED = ('AMENT_', 'COLCON_', 'NUMBA_', 'PIP_', 'PYTHON', '_ROS_WHEELS')
 
@@ -76,7 +78,7 @@ def run(*words: object, cwd: Path, **variables: str) -> str:
         check=False,
         capture_output=True,
         text=True,
-        timeout=600,
+        timeout=COMPILING_PATIENCE,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

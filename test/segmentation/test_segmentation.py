@@ -18,7 +18,6 @@
 import os
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +31,7 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.segmentation.background import Background, empty_scene, remove_scene
 from lsc_pose_ros.segmentation.blobs import BARRIER
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
-from lsc_pose_ros.segmentation.segmenter import Segmenter, make_segmenter, segment
+from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
 from lsc_pose_ros.settings.table import SegmentationSettings
 
 RANGE = 0.4, 5.0
@@ -221,24 +220,6 @@ def test_removed_scene_is_that_of_numpy() -> None:
     np.testing.assert_array_equal(
         found, np.where(depth == 0, 0, np.where(body, depth, BARRIER)).astype(np.float32)
     )
-
-
-@pytest.mark.parametrize(('width', 'limit'), [(320, 3.0), (640, 8.0)])
-@pytest.mark.parametrize('mode', ['nearest', 'background'])
-def test_fast_enough(mode: str, width: int, limit: float) -> None:
-    """The best of several, in milliseconds, for the computer may be busy."""
-    room = Room(boxes=(SOFA, TABLE))
-    seen, camera = look(room, [Person(0.4, 2.2, 1), Person(1.0, 2.9, 2)], width=width)
-    segmenter: Segmenter = (
-        NearestBody(*RANGE) if mode == 'nearest' else learnt(room, width=width, seconds=0)
-    )
-    assert (segmenter.labels(seen.depth, camera) == 1).any()
-    times = []
-    for _ in range(15):
-        begin = time.perf_counter()
-        segmenter.labels(seen.depth, camera)
-        times.append(1000 * (time.perf_counter() - begin))
-    assert min(times) <= limit
 
 
 def test_settings_make_segmenters() -> None:

@@ -16,7 +16,6 @@
 """Tests the synthetic frames: their contents, and that they depend only on the settings."""
 
 import math
-import time
 from pathlib import Path
 
 import numpy as np
@@ -302,14 +301,6 @@ def test_people_move_by_motion_capture(shared: Path) -> None:
     only = settings._replace(mocap_only=('nothing like it',))
     with pytest.raises(InputError, match='matches none'):
         synthetic_frames(only)
-
-
-def test_sixty_frames_a_second() -> None:
-    settings = SyntheticSettings(frames=60, seed=1)
-    frames_of(settings._replace(frames=2))  # compiles
-    start = time.process_time()
-    count = sum(1 for _ in synthetic_frames(settings))
-    assert count / (time.process_time() - start) > 60
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from waiting import COMPILING_PATIENCE
 
 import lsc_pose_ros
 
@@ -67,7 +68,7 @@ def digest_of(python: str) -> str:
         check=False,
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=COMPILING_PATIENCE,
     )
     assert done.returncode == 0, done.stderr
     return done.stdout.split()[-1]
