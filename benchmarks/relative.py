@@ -83,7 +83,7 @@ def _segmentation() -> dict[str, Task]:
 
 
 def _segmenting(mode: str, frames: list[Frame]) -> Task:
-    segmenter = make_segmenter(SegmentationSettings(mode, background_seconds=0.0))
+    segmenter: Any = make_segmenter(SegmentationSettings(mode, background_seconds=0.0))
     wall = np.full_like(frames[0].depth, 6.0)
 
     def segment_frame(number: int) -> object:

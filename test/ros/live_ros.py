@@ -165,7 +165,6 @@ class Handshake:
         self._client = node.create_client(GetParameters, f'{server}/get_parameters')
         self._node = node
         self._is_spun = is_spun
-        self._executor = SingleThreadedExecutor(context=node.context)
 
     def call(self) -> None:
         """Wait until the service answers."""
@@ -176,9 +175,11 @@ class Handshake:
         future = self._client.call_async(GetParameters.Request())
         if self._is_spun:
             return _becomes_done(future)
-        self._executor.add_node(self._node)
-        self._executor.spin_until_future_complete(future, _CALL_AGAIN)
-        self._executor.remove_node(self._node)
+        executor = SingleThreadedExecutor(context=self._node.context)
+        executor.add_node(self._node)
+        executor.spin_until_future_complete(future, _CALL_AGAIN)
+        executor.remove_node(self._node)
+        executor.shutdown()
         return future.done()
 
 
