@@ -32,7 +32,6 @@ from rcl_interfaces.msg import ParameterDescriptor
 from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
 from rclpy.client import Client
 from rclpy.context import Context
-from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter, parameter_value_to_python
@@ -207,10 +206,9 @@ class Camera:
     def wait_until_taken(self) -> None:
         """Wait until the node has taken one message of each topic from its queue.
 
-        Its executor takes a message of each subscription before it answers a service.
+        The request comes after the messages, and the node's executor takes a message of each
+        subscription before it answers a service.
         """
-        for publisher in (self.depth, self.camera_info, self.mask):
-            assert publisher.wait_for_all_acked(Duration(seconds=PATIENCE))
         self._handshake.call()
 
     @property
