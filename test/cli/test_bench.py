@@ -45,14 +45,14 @@ def recording(people, tmp_path_factory):
 
 
 def complaint(capsys, words):
-    """Return the one line that `words` end with, and no traceback."""
+    """Run the command with `words`, which end with status 2; return its single error line."""
     assert main([str(word) for word in words]) == 2
     (line,) = capsys.readouterr().err.strip().splitlines()
     return line
 
 
 def bench(*words, folder):
-    """Run the command with `words`; return what it writes."""
+    """Run `lsc_pose bench` with `words`; return the JSON results."""
     path = folder / 'bench.json'
     assert main(['bench', *map(str, words), '--json', str(path)]) == 0
     return json.loads(path.read_text())
@@ -103,13 +103,15 @@ def test_synthetic_frames_have_the_size_and_the_people_asked_for(small_model_fil
     assert results['recording'] == 'synthetic'
 
 
-def test_fewer_points_than_the_model_would_let_vote_all_vote(small_model_file, tmp_path):
+def test_all_points_vote_if_there_are_fewer_than_the_models_query_points(
+    small_model_file, tmp_path
+):
     words = ['--model', small_model_file, '--frames', 1, '--points', 80]
     results = bench(*words, folder=tmp_path)
     assert results['points'] == results['query_points'] == 80
 
 
-def test_without_any_model_a_small_one_is_trained_and_told_of(
+def test_without_any_model_a_small_one_is_trained_with_a_note(
     shipped, monkeypatch, tmp_path, capsys
 ):
     assert not list(shipped.iterdir())
@@ -135,7 +137,9 @@ def test_training_and_timing_are_of_different_people():
     assert bench_command.TRAINING.seed != bench_command.TIMED.seed
 
 
-def test_frames_with_nobody_are_told_of(small_model_file, people, tmp_path, capsys):
+def test_the_number_of_frames_without_people_is_printed(
+    small_model_file, people, tmp_path, capsys
+):
     path = tmp_path / 'partly.mcap'
     nobody = np.full_like(people[0].labels, NO_BODY)
     with RecordingWriter(path) as writer:
@@ -155,7 +159,7 @@ def test_a_recording_of_nobody(small_model_file, people, tmp_path, capsys):
 
 
 @pytest.mark.parametrize('words', [['--size', '320x240'], ['--people', '2']])
-def test_what_is_for_synthetic_frames_does_not_go_with_a_recording(words, recording, capsys):
+def test_options_of_synthetic_frames_are_refused_with_a_recording(words, recording, capsys):
     line = complaint(capsys, ['bench', recording, *words])
     assert '--size and --people are for synthetic frames' in line
 
@@ -174,7 +178,7 @@ def test_a_missing_recording_and_a_missing_model(recording, tmp_path, capsys):
 @pytest.mark.parametrize(
     'words', [['--size', 'large'], ['--size', '320'], ['--frames', '0'], ['--points', '-1']]
 )
-def test_words_out_of_reason_end_with_two(words, capsys):
+def test_invalid_values_end_with_status_2(words, capsys):
     with pytest.raises(SystemExit) as stop:
         main(['bench', *words])
     assert stop.value.code == 2

@@ -51,7 +51,7 @@ def recording(people: list[Frame], tmp_path_factory: pytest.TempPathFactory) -> 
 
 @pytest.fixture(scope='module')
 def answered(people: list[Frame], tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The recording with skeletons on two topics, 10 and 20 cm to the side of the truth."""
+    """The recording with skeletons on two topics, 10 and 20 cm to the side of the ground truth."""
     path = tmp_path_factory.mktemp('view') / 'answered.mcap'
     with RecordingWriter(path) as writer:
         for frame in people:
@@ -76,7 +76,7 @@ def beside(frame: Frame, metres: float) -> Skeletons:
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[DrawnFrame]:
-    """The frames that come onto a sheet."""
+    """The frames that are drawn on a sheet."""
     frames: list[DrawnFrame] = []
 
     def draw(given: list[DrawnFrame], title: str) -> object:
@@ -94,7 +94,7 @@ def size_of(path: Path) -> tuple[int, int]:
 
 
 def refused(capsys: pytest.CaptureFixture[str], *words: object) -> str:
-    """What the command says when it ends with status 2."""
+    """Return the error message of the command, which ends with status 2."""
     assert main(['view', *map(str, words)]) == 2
     said = capsys.readouterr()
     assert said.out == ''

@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The reliability of the confidence."""
+
 import numpy as np
 import pytest
 

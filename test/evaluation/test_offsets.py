@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Offsets between a model's joints and other labels: against the same in plain numpy."""
+"""Offsets between a model's joints and other labels, against plain numpy."""
 
 import numpy as np
 import pytest
@@ -53,8 +53,8 @@ def evaluation_of(ground_truth, estimate):
 
 
 @pytest.fixture
-def places():
-    """Truth, and estimates that are off by a constant, by noise, and now and then by a metre."""
+def positions():
+    """Ground truth, and estimates with a constant offset, noise, and some errors of a metre."""
     random = np.random.default_rng(8)
     ground_truth = random.normal(0, 1, (PEOPLE, len(JOINTS), 3))
     constant = random.normal(0, 0.1, (len(JOINTS), 3))
@@ -65,8 +65,8 @@ def places():
     return ground_truth, estimate, constant
 
 
-def test_offsets_are_medians_of_ground_truth_minus_estimate(places):
-    ground_truth, estimate, constant = places
+def test_offsets_are_medians_of_ground_truth_minus_estimate(positions):
+    ground_truth, estimate, constant = positions
     offsets = fit_offsets(evaluation_of(ground_truth, estimate))
     expected = np.nanmedian(ground_truth - estimate, axis=0)
     np.testing.assert_allclose(offsets, expected, atol=1e-6)
@@ -74,8 +74,8 @@ def test_offsets_are_medians_of_ground_truth_minus_estimate(places):
     assert offsets.dtype == np.float32
 
 
-def test_errors_are_those_of_moved_estimates(places):
-    ground_truth, estimate, _ = places
+def test_errors_are_those_of_moved_estimates(positions):
+    ground_truth, estimate, _ = positions
     before = evaluation_of(ground_truth, estimate)
     offsets = fit_offsets(before)
     moved = apply_offsets(before, offsets)
@@ -88,8 +88,8 @@ def test_errors_are_those_of_moved_estimates(places):
     np.testing.assert_allclose(fit_offsets(moved), 0, atol=1e-6)
 
 
-def test_a_joint_that_is_never_seen_has_no_offset_and_stays(places):
-    ground_truth, estimate, _ = places
+def test_a_joint_that_is_never_seen_has_no_offset_and_stays(positions):
+    ground_truth, estimate, _ = positions
     ground_truth[:, 0] = np.nan
     estimate[:, 3] = np.nan
     offsets = fit_offsets(evaluation_of(ground_truth, estimate))
@@ -100,8 +100,8 @@ def test_a_joint_that_is_never_seen_has_no_offset_and_stays(places):
     np.testing.assert_allclose(moved.errors[:, [0, 3]], np.sqrt(3) * 0.03, rtol=1e-5)
 
 
-def test_some_joints_only(places):
-    ground_truth, estimate, _ = places
+def test_some_joints_only(positions):
+    ground_truth, estimate, _ = positions
     whole = evaluation_of(ground_truth, estimate)
     hands = select(whole, numbers_of(['r_hand', 'l_hand']))
     assert hands.joints.tolist() == numbers_of(['l_hand', 'r_hand']).tolist()

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The whole estimator; it lies here since its model must be learnt first."""
+"""The whole estimator, with a small model."""
 
 import numpy as np
 import pytest
@@ -55,7 +55,7 @@ def test_too_little_of_a_body_is_unknown_with_confidence_zero(estimator, people,
 
 
 def test_bodies_are_estimated_each_by_itself_in_the_order_of_their_numbers(estimator, people):
-    """Two people side by side in one image are found as each is alone."""
+    """Two people side by side in one image have the same joints as each by itself."""
     near, far = people[0], people[200]
     depth = np.concatenate([near.depth, far.depth], axis=1)
     labels = np.concatenate(
@@ -70,7 +70,7 @@ def test_bodies_are_estimated_each_by_itself_in_the_order_of_their_numbers(estim
     np.testing.assert_array_equal(together.positions[0], alone.positions[0])
 
 
-def test_what_does_not_belong_to_the_body_does_not_matter(estimator, people):
+def test_pixels_outside_of_the_body_do_not_matter(estimator, people):
     frame = people[10]
     rng = np.random.default_rng(0)
     noisy = np.where(
@@ -101,26 +101,24 @@ def test_stages_lead_to_the_estimate(estimator, people):
     )
     chosen_is_candidate = [
         (
-            np.abs(stages.candidates.positions[j, : stages.candidates.counts[j]] - place).max(1)
+            np.abs(stages.candidates.positions[j, : stages.candidates.counts[j]] - position).max(1)
             == 0
         ).any()
-        for j, place in enumerate(stages.chosen)
+        for j, position in enumerate(stages.chosen)
     ]
     assert all(chosen_is_candidate)
 
 
-def test_the_confidence_is_looked_up_for_the_share_of_votes_that_support_the_joint(
-    estimator, people
-):
+def test_the_confidence_is_interpolated_at_the_vote_fraction_of_the_joint(estimator, people):
     frame = people[20]
     calibration = estimator.model.calibration
     knots = np.linspace(0, 1, calibration.shape[1])
     stages = estimator.estimate_body(frame.depth, frame.labels, frame.camera, 1)
     found = estimator.estimate(frame.depth, frame.labels, frame.camera)
     votes = stages.joint_votes
-    for joint, place in enumerate(stages.joints):
+    for joint, position in enumerate(stages.joints):
         mine = slice(votes.start[joint], votes.start[joint + 1])
-        squared = ((votes.position[mine] - place) ** 2).sum(axis=1)
+        squared = ((votes.position[mine] - position) ** 2).sum(axis=1)
         h = estimator.model.settings.joint_bandwidth
         support = (votes.weight[mine] * np.exp(-squared / h**2)).sum() / votes.weight[mine].sum()
         expected = np.interp(support, knots, calibration[joint])

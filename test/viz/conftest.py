@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the tests of pictures share: one synthetic person, seen with a model made by hand."""
+"""Fixtures for the tests of figures: a synthetic person, and a model made by hand."""
 
 import pytest
 from tiny_model import tiny_model

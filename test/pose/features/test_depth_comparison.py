@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Depth comparison features, against their equation."""
+
 import math
 
 import numpy as np
@@ -70,7 +72,7 @@ def check(depth: np.ndarray, pool: OffsetPool) -> None:
     quantised = compare_depths(Window(depth, 3, -1), pixels, pool, CAMERA)
     assert quantised.shape == (len(pixels), len(pool.first))
     apart = np.abs(quantised - compare_twin(depth, pixels, pool))
-    # Half a level by rounding; a place at the very border of two pixels may fall into either.
+    # Half a level by rounding; a position at the very border of two pixels may fall into either.
     assert (apart > 0.51).sum() <= 1e-3 * apart.size
 
 
@@ -94,7 +96,7 @@ def test_depth_differences_of_degenerate_bodies() -> None:
     }
 
 
-def test_a_step_in_depth_is_seen_as_its_size() -> None:
+def test_a_step_in_depth_gives_its_size() -> None:
     depth = np.full((20, 20), 2.0, np.float32)
     depth[:, 10:] = 2.4
     offsets = np.array([[0, 0], [0.1, 0]], np.float32)  # 6 pixels at 2 m

@@ -49,23 +49,23 @@ def twin(points, radius, inner_radius):
         np.linspace(0, math.pi, ZENITH_BINS + 1),
     )
     result = np.zeros((len(points), RADIUS_BINS, AZIMUTH_BINS, ZENITH_BINS))
-    places = [[] for _ in points]
+    positions = [[] for _ in points]
     for i, j in itertools.permutations(range(len(points)), 2):
         dx, dy, dz = (points[j] - points[i]).astype(float)
         distance = math.sqrt(dx**2 + dy**2 + dz**2)
         if 0 < distance <= radius:
-            share = math.log(distance / radius / inner_radius) / math.log(1 / inner_radius)
+            fraction = math.log(distance / radius / inner_radius) / math.log(1 / inner_radius)
             azimuth = math.atan2(dy, dx) % (2 * math.pi)
             zenith = math.acos(max(-1, min(1, dz / distance)))
-            places[i].append((RADIUS_BINS * share, azimuth, zenith))
-    for i, mine in enumerate(places):
+            positions[i].append((RADIUS_BINS * fraction, azimuth, zenith))
+    for i, mine in enumerate(positions):
         if mine:
             result[i] = np.histogramdd(np.array(mine), edges)[0] / len(mine)
     return result.reshape(len(points), RADIUS_BINS * AZIMUTH_BINS * ZENITH_BINS)
 
 
 @pytest.mark.parametrize('seed', range(3))
-def test_random_points_count_where_they_lie(seed):
+def test_random_points_count_in_the_bin_that_they_lie_in(seed):
     points = np.random.default_rng(seed).normal(0, 0.4, (50, 3)).astype(np.float32)
     found = describe_by_nearest_bin(points, np.arange(50), 0.7, 0.1)
     wanted = twin(points, 0.7, 0.1)
@@ -101,7 +101,7 @@ def test_the_setting_binning_decides(people):
     assert np.count_nonzero(nearest.quantised) < 0.6 * np.count_nonzero(shared.quantised)
 
 
-def test_a_fixed_scale_takes_the_place_of_rho_bar(people):
+def test_a_fixed_scale_replaces_rho_bar(people):
     settings = Settings(points=120, query_points=120)
     own = shape_of(people[0], settings)
     fixed = shape_of(people[0], settings._replace(fixed_scale=0.5))

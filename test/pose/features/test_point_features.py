@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The features by name, and their points."""
+
 import numpy as np
 import pytest
 
@@ -96,10 +98,12 @@ def test_points_of_the_body_are_spread_over_all_of_it(people):
     assert len(silhouette.points) == 200
     rows, columns = np.nonzero(body)
     kept = silhouette.chosen
-    for all_places, places in (
+    for all_places, positions in (
         (rows, silhouette.rows[kept]),
         (columns, silhouette.columns[kept]),
     ):
         np.testing.assert_allclose(
-            np.quantile(places, [0.1, 0.5, 0.9]), np.quantile(all_places, [0.1, 0.5, 0.9]), atol=3
+            np.quantile(positions, [0.1, 0.5, 0.9]),
+            np.quantile(all_places, [0.1, 0.5, 0.9]),
+            atol=3,
         )

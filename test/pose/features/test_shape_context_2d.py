@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The 2-D shape context, against its definition."""
+
 import itertools
 import math
 
@@ -28,13 +30,13 @@ from lsc_pose_ros.pose.features.shape_context_2d import (
 )
 
 
-def triangle(place: float, bins: int, *, wraps: bool) -> np.ndarray:
+def triangle(position: float, bins: int, *, wraps: bool) -> np.ndarray:
     """Return the linear weight of each bin, from the distance to its centre (k + 0.5)."""
     centres = np.arange(bins) + 0.5
     if wraps:
-        distance = np.abs((place - centres + bins / 2) % bins - bins / 2)
+        distance = np.abs((position - centres + bins / 2) % bins - bins / 2)
     else:
-        distance = np.abs(np.clip(place, centres[0], centres[-1]) - centres)
+        distance = np.abs(np.clip(position, centres[0], centres[-1]) - centres)
     return np.maximum(0, 1 - distance)
 
 
@@ -47,10 +49,10 @@ def describe_twin(pixels: np.ndarray, radius: float, inner_radius: float) -> np.
         distance = math.hypot(dx, dy)
         if distance == 0 or distance > radius:
             continue
-        share = math.log(distance / radius / inner_radius) / math.log(1 / inner_radius)
+        fraction = math.log(distance / radius / inner_radius) / math.log(1 / inner_radius)
         azimuth = math.atan2(dy, dx) % (2 * math.pi) / (2 * math.pi)
         result[i] += np.outer(
-            triangle(share * RADIUS_BINS, RADIUS_BINS, wraps=False),
+            triangle(fraction * RADIUS_BINS, RADIUS_BINS, wraps=False),
             triangle(azimuth * AZIMUTH_BINS, AZIMUTH_BINS, wraps=True),
         )
     flat = result.reshape(len(pixels), SIZE)
@@ -89,7 +91,7 @@ def test_shape_context_of_degenerate_points(pixels: np.ndarray) -> None:
     check(pixels, 40.0, 0.1)
 
 
-def test_without_reach_there_is_nothing_to_see() -> None:
+def test_without_reach_the_descriptor_is_empty() -> None:
     pixels = np.arange(10, dtype=np.float32).reshape(5, 2)
     assert not describe_in_image(pixels, np.arange(5), 0.0, 0.1).any()
 

@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The 3DLSC descriptor and the mean distance, against equations 3 and 4."""
+
 import itertools
 import math
 
@@ -36,13 +38,13 @@ def mean_distance_twin(points: np.ndarray) -> float:
     return float(np.mean([np.linalg.norm(a - b) for a, b in pairs])) if pairs else 0.0
 
 
-def triangle(place: float, bins: int, *, wraps: bool) -> np.ndarray:
+def triangle(position: float, bins: int, *, wraps: bool) -> np.ndarray:
     """Return the linear weight of each bin, from the distance to its centre (k + 0.5)."""
     centres = np.arange(bins) + 0.5
     if wraps:
-        distance = np.abs((place - centres + bins / 2) % bins - bins / 2)
+        distance = np.abs((position - centres + bins / 2) % bins - bins / 2)
     else:
-        distance = np.abs(np.clip(place, centres[0], centres[-1]) - centres)
+        distance = np.abs(np.clip(position, centres[0], centres[-1]) - centres)
     return np.maximum(0, 1 - distance)
 
 
@@ -55,12 +57,12 @@ def describe_twin(points: np.ndarray, radius: float, inner_radius: float) -> np.
         distance = math.sqrt(dx**2 + dy**2 + dz**2)
         if distance == 0 or distance > radius:
             continue
-        share = math.log(distance / radius / inner_radius) / math.log(1 / inner_radius)
+        fraction = math.log(distance / radius / inner_radius) / math.log(1 / inner_radius)
         azimuth = math.atan2(dy, dx) % (2 * math.pi) / (2 * math.pi)
         zenith = math.acos(max(-1, min(1, dz / distance))) / math.pi
         result[i] += np.einsum(
             'r,a,z->raz',
-            triangle(share * RADIUS_BINS, RADIUS_BINS, wraps=False),
+            triangle(fraction * RADIUS_BINS, RADIUS_BINS, wraps=False),
             triangle(azimuth * AZIMUTH_BINS, AZIMUTH_BINS, wraps=True),
             triangle(zenith * ZENITH_BINS, ZENITH_BINS, wraps=False),
         )
@@ -143,7 +145,7 @@ def test_a_histogram_sums_to_one_or_is_empty() -> None:
     np.testing.assert_allclose(sums[1:], 1, atol=1e-5)
 
 
-def test_descriptors_do_not_change_with_place_and_scale() -> None:
+def test_descriptors_do_not_change_with_position_and_scale() -> None:
     points = np.random.default_rng(3).normal(0, 0.4, (60, 3)).astype(np.float32)
     moved = 1.7 * points + np.float32(0.3)
     everyone = np.arange(60)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Where a person faces, as an angle and as two levels of a descriptor."""
+"""The body yaw as an angle and as two quantised features."""
 
 import math
 
@@ -32,12 +32,12 @@ FEATURES = 12
 
 
 def apart(one: float, two: float) -> float:
-    """Return how far two directions are from each other, radians."""
+    """Return the angle between two directions, radians."""
     return abs(math.remainder(one - two, 2 * math.pi))
 
 
 @pytest.mark.parametrize('count', [1, 2, 3, 8, 12])
-def test_directions_go_round_the_circle(count: int) -> None:
+def test_body_yaws_are_evenly_spaced_on_the_circle(count: int) -> None:
     directions = body_yaws_around(count)
     assert directions.dtype == np.float64
     assert len(directions) == count
@@ -66,7 +66,7 @@ def test_body_yaw_by_the_line_from_right_to_left(
     assert apart(float(body_yaw_of(np.array(across))), math.radians(degrees)) < 1e-9
 
 
-def test_body_yaw_of_many_and_of_what_is_not_known() -> None:
+def test_body_yaw_of_several_people_and_of_unknown_ones() -> None:
     lines = np.zeros((2, 5, 3), np.float32)
     lines[..., 0] = 1
     lines[1, 3, 2] = np.nan
@@ -76,7 +76,7 @@ def test_body_yaw_of_many_and_of_what_is_not_known() -> None:
     assert np.isnan(found).sum() == 1
 
 
-def test_quantised_tell_every_direction() -> None:
+def test_quantised_body_yaws_are_distinct() -> None:
     angles = np.linspace(-np.pi, np.pi, 721)
     quantised = body_yaw_quantised(angles)
     assert quantised.dtype == np.uint8
@@ -90,7 +90,7 @@ def test_quantised_tell_every_direction() -> None:
 
 
 @pytest.mark.parametrize('points', [0, 1, 9])
-def test_body_yaw_joins_every_descriptor(points: int) -> None:
+def test_the_body_yaw_is_appended_to_each_descriptor(points: int) -> None:
     quantised = np.random.default_rng(points).integers(0, 256, (points, FEATURES)).astype(np.uint8)
     joined = with_body_yaw(quantised, -2.0)
     assert joined.dtype == np.uint8

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The search for where a person faces, written from its definition once more, and on people."""
+"""The search for the body yaw, against its definition and on synthetic people."""
 
 import math
 
@@ -41,53 +41,55 @@ from lsc_pose_ros.training.samples import LabelledPerson, labelled_people
 BANDWIDTH = 0.07
 
 
-def cast(places: list[np.ndarray], weights: list[np.ndarray]) -> Votes:
-    """Return votes of which those for each joint are at `places`, shape (M, 3) each."""
-    start = np.concatenate([[0], np.cumsum([len(each) for each in places])])
-    x, y, z = np.ascontiguousarray(np.concatenate(places).astype(np.float32).T)
+def cast(positions: list[np.ndarray], weights: list[np.ndarray]) -> Votes:
+    """Return votes at `positions`, shape (M, 3) for each joint."""
+    start = np.concatenate([[0], np.cumsum([len(each) for each in positions])])
+    x, y, z = np.ascontiguousarray(np.concatenate(positions).astype(np.float32).T)
     return Votes(start, VoteCloud(x, y, z, np.concatenate(weights).astype(np.float32)))
 
 
 def random_votes(seed: int, counts: tuple[int, ...]) -> Votes:
-    """Return votes in three heaps for each joint, `counts` of them."""
+    """Return `counts` votes in three clusters for each joint."""
     rng = np.random.default_rng(seed)
-    places = []
+    positions = []
     for count in counts:
         centres = rng.normal(0, 0.3, (3, 3))
-        places.append(centres[rng.integers(0, 3, count)] + rng.normal(0, 0.04, (count, 3)))
-    return cast(places, [rng.random(count) for count in counts])
+        positions.append(centres[rng.integers(0, 3, count)] + rng.normal(0, 0.04, (count, 3)))
+    return cast(positions, [rng.random(count) for count in counts])
 
 
-def density_twin(place: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float) -> float:
-    squared = ((votes - place) ** 2).sum(axis=1)
+def density_twin(position: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float) -> float:
+    squared = ((votes - position) ** 2).sum(axis=1)
     return float((weights * np.exp(-squared / h**2)).sum())
 
 
 def mode_twin(votes: np.ndarray, weights: np.ndarray, h: float) -> np.ndarray:
-    """Uphill by mean-shift from the vote where the density is largest, until nothing moves."""
+    """Mean-shift from the vote with the largest density until convergence."""
     heights = [density_twin(vote, votes, weights, h) for vote in votes]
-    place = votes[int(np.argmax(heights))]
+    position = votes[int(np.argmax(heights))]
     for _ in range(1000):
-        pull = weights * np.exp(-((votes - place) ** 2).sum(axis=1) / h**2)
-        place = (pull[:, None] * votes).sum(axis=0) / pull.sum()
-    return place
+        pull = weights * np.exp(-((votes - position) ** 2).sum(axis=1) / h**2)
+        position = (pull[:, None] * votes).sum(axis=0) / pull.sum()
+    return position
 
 
 def agreement_twin(votes: Votes, h: float) -> float:
-    """The sum over the joints of the density at the best mode, were all weights together 1."""
+    """The density at the best mode for a total weight of 1, summed over the joints."""
     total = 0.0
     for begin, end in zip(votes.start[:-1], votes.start[1:], strict=True):
-        place = votes.position[begin:end].astype(float)
+        position = votes.position[begin:end].astype(float)
         weight = votes.weight[begin:end].astype(float)
         if weight.sum() > 0:
-            mode = mode_twin(place, weight, h)
-            total += density_twin(mode, place, weight / weight.sum(), h)
+            mode = mode_twin(position, weight, h)
+            total += density_twin(mode, position, weight / weight.sum(), h)
     return total
 
 
 @pytest.mark.parametrize('seed', range(5))
 @pytest.mark.parametrize('counts', [(1,), (40,), (80, 5, 0, 30), (0, 0)])
-def test_agreement_is_the_share_behind_the_best_modes(seed: int, counts: tuple[int, ...]) -> None:
+def test_agreement_is_the_sum_of_the_vote_fractions_at_the_best_modes(
+    seed: int, counts: tuple[int, ...]
+) -> None:
     votes = random_votes(seed, counts)
     for bandwidth in (BANDWIDTH, 0.2):
         expected = agreement_twin(votes, bandwidth)
@@ -95,7 +97,7 @@ def test_agreement_is_the_share_behind_the_best_modes(seed: int, counts: tuple[i
     assert 0 <= agreement(votes, BANDWIDTH) <= sum(count > 0 for count in counts) * 1.0001
 
 
-def test_votes_for_one_place_agree_wholly_and_for_two_by_halves() -> None:
+def test_votes_at_one_position_agree_fully_and_at_two_by_their_fraction() -> None:
     here, there = np.tile([0.1, 0.2, 2.0], (10, 1)), np.tile([0.1, 0.9, 2.0], (10, 1))
     ones = np.ones(10)
     assert agreement(cast([here], [3 * ones]), BANDWIDTH) == pytest.approx(1.0, rel=1e-4)
@@ -103,9 +105,9 @@ def test_votes_for_one_place_agree_wholly_and_for_two_by_halves() -> None:
         2.0, rel=1e-4
     )
     both = np.concatenate([here, there])
-    for share in (0.5, 0.8):
-        weight = np.repeat([share, 1 - share], 10)
-        assert agreement(cast([both], [weight]), BANDWIDTH) == pytest.approx(share, rel=1e-4)
+    for fraction in (0.5, 0.8):
+        weight = np.repeat([fraction, 1 - fraction], 10)
+        assert agreement(cast([both], [weight]), BANDWIDTH) == pytest.approx(fraction, rel=1e-4)
 
 
 def test_votes_without_weight_agree_on_nothing() -> None:
@@ -114,7 +116,7 @@ def test_votes_without_weight_agree_on_nothing() -> None:
     assert agreement(votes, BANDWIDTH) == pytest.approx(1.0, rel=1e-4)
 
 
-def test_neither_where_the_votes_lie_nor_how_heavy_all_are_matters() -> None:
+def test_agreement_does_not_depend_on_translation_or_total_weight() -> None:
     votes = random_votes(7, (60, 30))
     moved = [
         Votes(votes.start, votes.cloud._replace(weight=np.float32(50) * votes.weight)),
@@ -172,12 +174,12 @@ def test_peaks_at_the_first_of_few_values(values: list[float], expected: float) 
 
 
 def apart(one: np.ndarray | float, two: np.ndarray | float) -> np.ndarray:
-    """Return how far directions are from each other, degrees."""
+    """Return the angle between directions, degrees."""
     return np.degrees(np.abs(np.angle(np.exp(1j * (np.asarray(one) - two)))))
 
 
 def person_of(person: LabelledPerson, which: np.ndarray | None = None) -> tuple:
-    """Return what the search asks for: points in metres, descriptors, rho_bar."""
+    """Return the arguments of the search: points in metres, descriptors, rho_bar."""
     which = np.arange(len(person.points)) if which is None else which
     points = person.points[which] * np.float32(person.scale)
     return points, person.quantised[which], person.scale
@@ -185,19 +187,19 @@ def person_of(person: LabelledPerson, which: np.ndarray | None = None) -> tuple:
 
 @pytest.fixture(scope='module')
 def strangers(all_round, body_yaw_model) -> list[LabelledPerson]:
-    """People from all sides whom the model has not seen."""
+    """People from all sides that the model was not trained on."""
     frames = synthetic_frames(all_round._replace(frames=150, seed=77, clip_length=1))
     return list(labelled_people(frames, body_yaw_model.joints, body_yaw_model.settings))
 
 
 @pytest.fixture(scope='module')
 def found(body_yaw_model, strangers) -> np.ndarray:
-    """Where each of them is found to face."""
+    """The body yaw that the search finds for each of them."""
     return np.array([find_body_yaw(body_yaw_model, *person_of(each)) for each in strangers])
 
 
 def body_yaws(model: Model, count: int) -> Model:
-    """Return a model that tries so many directions."""
+    """Return a model with `count` body yaws."""
     return model._replace(settings=model.settings._replace(body_yaws=count))
 
 
@@ -215,13 +217,13 @@ def votes_twin(model: Model, leaves: np.ndarray, points: np.ndarray, scale: floa
         for each in cast_for
     ]
     return cast(
-        [np.array([place for _, place in each]).reshape(-1, 3) for each in heaviest],
+        [np.array([position for _, position in each]).reshape(-1, 3) for each in heaviest],
         [np.array([weight for weight, _ in each]) for each in heaviest],
     )
 
 
 @pytest.mark.parametrize('body_yaw', [-2.0, 0.0, 3.1])
-def test_the_votes_that_agree_are_those_of_a_forest_that_is_told(
+def test_the_agreement_is_that_of_the_votes_for_the_given_body_yaw(
     body_yaw: float, body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     for person in strangers[:3]:
@@ -234,7 +236,7 @@ def test_the_votes_that_agree_are_those_of_a_forest_that_is_told(
 
 
 @pytest.mark.parametrize('count', [1, 2, 5, 8])
-def test_few_points_choose_the_direction_on_which_their_votes_agree_most(
+def test_few_points_choose_the_body_yaw_with_the_largest_agreement(
     count: int, body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     model, directions = body_yaws(body_yaw_model, count), body_yaws_around(count)
@@ -247,7 +249,7 @@ def test_few_points_choose_the_direction_on_which_their_votes_agree_most(
         assert apart(find_body_yaw(model, *asked), expected) < 0.01
 
 
-def test_all_points_choose_among_the_best_directions_of_a_few(
+def test_all_points_choose_among_the_best_body_yaws_of_a_few(
     body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     directions = body_yaws_around(8)
@@ -261,7 +263,7 @@ def test_all_points_choose_among_the_best_directions_of_a_few(
     assert best > 0.85 * len(strangers)
 
 
-def test_strangers_are_found_to_face_where_they_do(
+def test_the_body_yaw_of_unknown_people_is_found(
     body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     joints = np.stack([person.joints for person in strangers])
@@ -273,7 +275,7 @@ def test_strangers_are_found_to_face_where_they_do(
     assert np.median(off) < 30
 
 
-def test_thirty_points_tell_where_most_strangers_face(
+def test_thirty_points_find_the_body_yaw_of_most_people(
     body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     joints = np.stack([person.joints for person in strangers])
@@ -288,7 +290,7 @@ def test_thirty_points_tell_where_most_strangers_face(
     assert (off < 45).mean() > 0.4
 
 
-def test_the_order_of_the_directions_does_not_matter(
+def test_the_order_of_the_body_yaws_does_not_matter(
     body_yaw_model: Model,
     strangers: list[LabelledPerson],
     found: np.ndarray,
@@ -304,7 +306,7 @@ def test_the_order_of_the_directions_does_not_matter(
         assert apart(again, found[:50]).max() < 0.01
 
 
-def test_other_directions_lead_to_the_same_answer_for_most(
+def test_another_set_of_body_yaws_gives_the_same_result_for_most_people(
     body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     model = body_yaws(body_yaw_model, 9)

@@ -13,29 +13,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The leaves that descriptors reach, against equation 7."""
+
 import numpy as np
 import pytest
+from random_votes import random_votes
 
 from lsc_pose_ros.pose.features.shape_context_3d import DESCRIPTOR_SIZE
-from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes, find_leaves
-from lsc_pose_ros.pose.forest.votes import VoteSettings, gather_votes
-
-
-def random_votes(rng: np.random.Generator, leaves: int, targets: int) -> LeafVotes:
-    counts = rng.integers(0, 6, leaves)
-    start = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    total = int(start[-1])
-    return LeafVotes(
-        start,
-        rng.integers(0, targets, total).astype(np.uint8),
-        rng.normal(0, 0.2, (total, 3)).astype(np.float32),
-        # Few different weights, so that many are equal at the limit.
-        rng.choice([0.2, 0.5, 0.5, 0.9], total).astype(np.float32),
-    )
+from lsc_pose_ros.pose.forest.forest import Forest, find_leaves
 
 
 def random_forest(seed: int, targets: int = 5) -> Forest:
-    """Return two random trees: splits and leaves in the order in which they are made."""
+    """Return two random trees."""
     rng = np.random.default_rng(seed)
     feature: list[int] = []
     left: list[int] = []
@@ -104,53 +93,3 @@ def test_a_level_at_the_threshold_goes_right() -> None:
     quantised = np.zeros((3, DESCRIPTOR_SIZE), np.uint8)
     quantised[:, 7] = [99, 100, 101]
     assert find_leaves(forest, quantised)[:, 0].tolist() == [0, 1, 1]
-
-
-def votes_twin(
-    votes: LeafVotes, leaves: np.ndarray, origins: np.ndarray, vote_settings: VoteSettings
-) -> list[list[tuple[float, list[float]]]]:
-    """Equation 13 for each target, then the heaviest, earlier ones first among equals."""
-    cast: list[list[tuple[float, list[float]]]] = [[] for _ in range(vote_settings.targets)]
-    for point, row in enumerate(leaves):
-        for leaf in row:
-            for entry in range(votes.start[leaf], votes.start[leaf + 1]):
-                place = origins[point] + vote_settings.scale * votes.offset[entry]
-                cast[votes.target[entry]].append((float(votes.weight[entry]), place.tolist()))
-    return [sorted(mine, key=lambda vote: -vote[0])[: vote_settings.heaviest] for mine in cast]
-
-
-@pytest.mark.parametrize('seed', range(5))
-@pytest.mark.parametrize('heaviest', [1, 7, 10_000])
-def test_the_heaviest_votes_are_cast(seed: int, heaviest: int) -> None:
-    rng = np.random.default_rng(seed)
-    votes = random_votes(rng, 30, 4)
-    leaves = rng.integers(0, 30, (40, 3)).astype(np.int32)
-    origins = rng.normal(0, 1, (40, 3)).astype(np.float32)
-    vote_settings = VoteSettings(4, heaviest, 0.7)
-    cast = gather_votes(votes, leaves, origins, vote_settings)
-    for target, expected in enumerate(votes_twin(votes, leaves, origins, vote_settings)):
-        mine = slice(cast.start[target], cast.start[target + 1])
-        found = sorted(
-            zip(cast.weight[mine].tolist(), cast.position[mine].tolist(), strict=True),
-            key=lambda vote: -vote[0],
-        )
-        assert [weight for weight, _ in found] == [weight for weight, _ in expected]
-        np.testing.assert_allclose(
-            np.array([place for _, place in found]).reshape(-1, 3),
-            np.array([place for _, place in expected]).reshape(-1, 3),
-            atol=1e-6,
-        )
-
-
-def test_a_target_without_votes_has_none() -> None:
-    votes = LeafVotes(
-        np.zeros(2, np.int32),
-        np.zeros(0, np.uint8),
-        np.zeros((0, 3), np.float32),
-        np.zeros(0, np.float32),
-    )
-    cast = gather_votes(
-        votes, np.zeros((5, 1), np.int32), np.zeros((5, 3), np.float32), VoteSettings(3, 9, 1.0)
-    )
-    assert cast.start.tolist() == [0, 0, 0, 0]
-    assert len(cast.weight) == 0

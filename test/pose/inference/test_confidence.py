@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The confidence from vote fractions."""
+
 import numpy as np
 import pytest
 
@@ -29,26 +31,28 @@ def random_votes(rng, counts):
     return Votes(start, VoteCloud(x, y, z, rng.random(start[-1], np.float32)))
 
 
-def plain_support(votes, places):
-    shares = np.zeros(len(places))
-    for joint, place in enumerate(places):
+def fractions_twin(votes, positions):
+    fractions = np.zeros(len(positions))
+    for joint, position in enumerate(positions):
         mine = slice(votes.start[joint], votes.start[joint + 1])
-        squared = ((votes.position[mine] - place) ** 2).sum(axis=1)
+        squared = ((votes.position[mine] - position) ** 2).sum(axis=1)
         weight = votes.weight[mine].astype(float)
-        if len(weight) and not np.isnan(place).any():
-            shares[joint] = (weight * np.exp(-squared / BANDWIDTH**2)).sum() / weight.sum()
-    return shares
+        if len(weight) and not np.isnan(position).any():
+            fractions[joint] = (weight * np.exp(-squared / BANDWIDTH**2)).sum() / weight.sum()
+    return fractions
 
 
-def plain_confidence(calibration, votes, places):
+def confidence_twin(calibration, votes, positions):
     knots = np.linspace(0, 1, calibration.shape[1])
     found = np.array(
         [
-            np.interp(share, knots, quantised)
-            for share, quantised in zip(plain_support(votes, places), calibration, strict=True)
+            np.interp(fraction, knots, quantised)
+            for fraction, quantised in zip(
+                fractions_twin(votes, positions), calibration, strict=True
+            )
         ]
     )
-    return np.where(np.isnan(places).any(axis=1), 0, found)
+    return np.where(np.isnan(positions).any(axis=1), 0, found)
 
 
 @pytest.mark.parametrize('seed', range(5))
@@ -56,29 +60,29 @@ def plain_confidence(calibration, votes, places):
 def test_confidence_is_looked_up_between_the_knots(seed, knots):
     rng = np.random.default_rng(seed)
     votes = random_votes(rng, [30, 1, 0, 200, 7])
-    places = rng.normal(0, 0.05, (5, 3)).astype(np.float32)
-    places[4] = np.nan
+    positions = rng.normal(0, 0.05, (5, 3)).astype(np.float32)
+    positions[4] = np.nan
     calibration = np.sort(rng.random((5, knots), np.float32), axis=1)
-    found = confidence_in(calibration, votes, places, BANDWIDTH)
+    found = confidence_in(calibration, votes, positions, BANDWIDTH)
     assert found.dtype == np.float32
-    np.testing.assert_allclose(found, plain_confidence(calibration, votes, places), atol=1e-4)
+    np.testing.assert_allclose(found, confidence_twin(calibration, votes, positions), atol=1e-4)
     assert found[4] == 0
 
 
-def test_without_a_calibration_the_share_of_the_votes_is_the_confidence():
+def test_without_a_calibration_the_vote_fraction_is_the_confidence():
     rng = np.random.default_rng(9)
     votes = random_votes(rng, [50, 0, 20])
-    places = np.array([[0, 0, 0], [0, 0, 0], [np.nan] * 3], np.float32)
-    found = confidence_in(uncalibrated(), votes, places, BANDWIDTH)
-    np.testing.assert_array_equal(found, vote_fractions(votes, places, BANDWIDTH))
-    np.testing.assert_allclose(found, plain_support(votes, places), atol=1e-5)
+    positions = np.array([[0, 0, 0], [0, 0, 0], [np.nan] * 3], np.float32)
+    found = confidence_in(uncalibrated(), votes, positions, BANDWIDTH)
+    np.testing.assert_array_equal(found, vote_fractions(votes, positions, BANDWIDTH))
+    np.testing.assert_allclose(found, fractions_twin(votes, positions), atol=1e-5)
 
 
-@pytest.mark.parametrize(('place', 'expected'), [(0.0, 0.9), (9.0, 0.2)])
-def test_all_votes_and_none_are_the_ends_of_the_scale(place, expected):
+@pytest.mark.parametrize(('position', 'expected'), [(0.0, 0.9), (9.0, 0.2)])
+def test_all_votes_and_none_are_the_ends_of_the_scale(position, expected):
     here = np.zeros(4, np.float32)
     votes = Votes(np.array([0, 4]), VoteCloud(here, here, here, here + np.float32(0.3)))
     calibration = np.array([[0.2, 0.5, 0.9]], np.float32)
-    places = np.full((1, 3), place, np.float32)
-    found = confidence_in(calibration, votes, places, BANDWIDTH)
+    positions = np.full((1, 3), position, np.float32)
+    found = confidence_in(calibration, votes, positions, BANDWIDTH)
     assert found[0] == pytest.approx(expected, abs=1e-5)

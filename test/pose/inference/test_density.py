@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Densities and modes, against equation 14."""
+
 import numpy as np
 import pytest
 from plain import density as plain
@@ -33,29 +35,29 @@ def random_votes(seed: int, count: int = 80) -> tuple[np.ndarray, np.ndarray]:
     return votes.astype(np.float32), rng.random(count).astype(np.float32)
 
 
-def density_twin(place: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float) -> float:
-    squared = ((votes.astype(float) - place) ** 2).sum(axis=1)
+def density_twin(position: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float) -> float:
+    squared = ((votes.astype(float) - position) ** 2).sum(axis=1)
     return float((weights * np.exp(-squared / h**2)).sum())
 
 
 def mean_shift_twin(
-    place: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float
+    position: np.ndarray, votes: np.ndarray, weights: np.ndarray, h: float
 ) -> np.ndarray:
-    squared = ((votes.astype(float) - place) ** 2).sum(axis=1)
+    squared = ((votes.astype(float) - position) ** 2).sum(axis=1)
     pull = weights * np.exp(-squared / h**2)
     return (pull[:, None] * votes).sum(axis=0) / pull.sum()
 
 
 @pytest.mark.parametrize('seed', range(5))
-def test_density_and_mean_shift_are_equation_14_and_its_uphill_step(seed: int) -> None:
+def test_density_is_equation_14_and_mean_shift_its_weighted_mean(seed: int) -> None:
     votes, weights = random_votes(seed)
-    for place in votes[:10] + np.float32(0.02):
-        assert density(place, cloud(votes, weights), BANDWIDTH) == pytest.approx(
-            density_twin(place, votes, weights, BANDWIDTH), rel=1e-4
+    for position in votes[:10] + np.float32(0.02):
+        assert density(position, cloud(votes, weights), BANDWIDTH) == pytest.approx(
+            density_twin(position, votes, weights, BANDWIDTH), rel=1e-4
         )
         np.testing.assert_allclose(
-            mean_shift(place, cloud(votes, weights), BANDWIDTH),
-            mean_shift_twin(place, votes, weights, BANDWIDTH),
+            mean_shift(position, cloud(votes, weights), BANDWIDTH),
+            mean_shift_twin(position, votes, weights, BANDWIDTH),
             atol=1e-5,
         )
 
@@ -63,20 +65,20 @@ def test_density_and_mean_shift_are_equation_14_and_its_uphill_step(seed: int) -
 @pytest.mark.parametrize('seed', range(5))
 def test_the_plain_kernels_agree(seed: int) -> None:
     votes, weights = random_votes(seed)
-    for place in votes[:10] + np.float32(0.02):
-        twin = density_twin(place, votes, weights, BANDWIDTH)
-        assert plain.density(place, votes, weights, BANDWIDTH) == pytest.approx(twin, rel=1e-5)
+    for position in votes[:10] + np.float32(0.02):
+        twin = density_twin(position, votes, weights, BANDWIDTH)
+        assert plain.density(position, votes, weights, BANDWIDTH) == pytest.approx(twin, rel=1e-5)
     first = plain.find_modes(votes, weights, BANDWIDTH, 2)
     second = find_modes(cloud(votes, weights), BANDWIDTH, 2)
     assert len(first) == len(second)
     np.testing.assert_allclose(first, second, atol=0.01 * BANDWIDTH)
 
 
-def test_far_from_all_votes_the_density_is_zero_and_the_shift_stays() -> None:
+def test_far_from_all_votes_the_density_is_zero_and_mean_shift_does_not_move() -> None:
     votes, weights = random_votes(0)
-    place = np.full(3, 100, np.float32)
-    assert density(place, cloud(votes, weights), BANDWIDTH) == 0
-    np.testing.assert_array_equal(mean_shift(place, cloud(votes, weights), BANDWIDTH), place)
+    position = np.full(3, 100, np.float32)
+    assert density(position, cloud(votes, weights), BANDWIDTH) == 0
+    np.testing.assert_array_equal(mean_shift(position, cloud(votes, weights), BANDWIDTH), position)
 
 
 def test_no_votes_give_no_density_and_no_mode() -> None:
@@ -103,7 +105,7 @@ def test_the_first_mode_is_the_highest_and_the_second_is_another(seed: int) -> N
     heights = [density_twin(mode.astype(float), votes, weights, BANDWIDTH) for mode in modes]
     climbed = [climb(vote, cloud(votes, weights), BANDWIDTH) for vote in votes]
     best = max(
-        density_twin(np.array(place, float), votes, weights, BANDWIDTH) for place in climbed
+        density_twin(np.array(position, float), votes, weights, BANDWIDTH) for position in climbed
     )
     # The climb starts at the highest vote, whose hill may just miss being the highest of all.
     assert heights[0] >= 0.97 * best
@@ -111,7 +113,7 @@ def test_the_first_mode_is_the_highest_and_the_second_is_another(seed: int) -> N
         assert np.linalg.norm(modes[0] - modes[1]) >= BANDWIDTH
 
 
-def test_votes_in_one_place_have_one_mode() -> None:
+def test_votes_at_one_position_have_one_mode() -> None:
     votes = np.full((20, 3), 0.4, np.float32)
     modes = find_modes(cloud(votes, np.ones(20, np.float32)), BANDWIDTH, 2)
     np.testing.assert_allclose(modes, [[0.4, 0.4, 0.4]], atol=1e-6)
@@ -123,7 +125,7 @@ def test_weightless_votes_have_no_mode() -> None:
 
 
 @pytest.mark.parametrize('seed', range(8))
-def test_a_second_hill_is_found_across_the_skirts_of_the_first(seed: int) -> None:
+def test_a_second_mode_is_found_beyond_the_votes_that_lead_to_the_first(seed: int) -> None:
     """Many votes lie between one and two bandwidths from the first mode and lead back to it."""
     rng = np.random.default_rng(seed)
     first = rng.normal(0, 0.6 * BANDWIDTH, (150, 3))
@@ -137,7 +139,7 @@ def test_a_second_hill_is_found_across_the_skirts_of_the_first(seed: int) -> Non
 
 
 def test_votes_near_an_earlier_start_start_no_climb() -> None:
-    """The third vote climbs to the first mode; the first vote alone leads to another hill.
+    """The third vote climbs to the first mode; the first vote leads to another mode.
 
     The first vote is less than a bandwidth from the third, so that it starts no climb.
     """

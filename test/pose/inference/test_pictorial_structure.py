@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The pictorial structure, against all combinations and equations 16 and 17."""
+
 import itertools
 
 import numpy as np
@@ -37,8 +39,8 @@ FLOOR = 1e-6
 CROWDED = 5.0
 
 
-def gather_votes(start: list[int], place: np.ndarray, weight: np.ndarray) -> Votes:
-    columns = np.ascontiguousarray(place.T.astype(np.float32))
+def gather_votes(start: list[int], position: np.ndarray, weight: np.ndarray) -> Votes:
+    columns = np.ascontiguousarray(position.T.astype(np.float32))
     return Votes(np.array(start), VoteCloud(*columns, weight.astype(np.float32)))
 
 
@@ -48,8 +50,8 @@ def cast(rng: np.random.Generator, centres: np.ndarray, empty: int | None) -> Vo
     if empty is not None:
         counts[empty] = 0
     start = np.concatenate([[0], np.cumsum(counts)])
-    place = np.repeat(centres, counts, axis=0) + rng.normal(0, 0.08, (start[-1], 3))
-    return gather_votes(start, place, rng.random(start[-1]))
+    position = np.repeat(centres, counts, axis=0) + rng.normal(0, 0.08, (start[-1], 3))
+    return gather_votes(start, position, rng.random(start[-1]))
 
 
 def problem(
@@ -59,45 +61,45 @@ def problem(
     empty_edge: int | None = None,
     legs: np.ndarray = NO_LEGS,
 ) -> tuple[Structure, Votes, Votes, Candidates]:
-    """Return joints, limbs that roughly fit them, and two candidates a joint among its votes."""
+    """Return joint votes, pair votes that roughly fit them, and two candidates for each joint."""
     rng = np.random.default_rng(seed)
     centres = rng.normal(0, 0.3, (JOINTS, 3))
     limbs = centres[EDGES[:, 1]] - centres[EDGES[:, 0]] + rng.normal(0, 0.1, (len(EDGES), 3))
     joints, pairs = cast(rng, centres, empty_joint), cast(rng, limbs, empty_edge)
     lengths = rng.uniform(0.1, 0.5, len(EDGES)).astype(np.float32)
     structure = Structure(EDGES, lengths, 0.07, 1.5, legs, 0.4)
-    places = rng.normal(0, 0.3, (JOINTS, 2, 3)).astype(np.float32)
+    positions = rng.normal(0, 0.3, (JOINTS, 2, 3)).astype(np.float32)
     counts = rng.integers(1, 3, JOINTS)
     for joint in range(JOINTS):
         mine = joints.position[joints.start[joint] : joints.start[joint + 1]]
         if len(mine):
-            places[joint] = mine[rng.integers(0, len(mine), 2)]
+            positions[joint] = mine[rng.integers(0, len(mine), 2)]
         else:
             counts[joint] = 0
-    return structure, joints, pairs, Candidates(places, counts)
+    return structure, joints, pairs, Candidates(positions, counts)
 
 
-def log_sum(place: np.ndarray, votes: Votes, target: int, h: float) -> float:
+def log_sum(position: np.ndarray, votes: Votes, target: int, h: float) -> float:
     mine = slice(votes.start[target], votes.start[target + 1])
     if not len(votes.weight[mine]):
         return 0.0
-    squared = ((votes.position[mine].astype(float) - place) ** 2).sum(axis=1)
-    share = np.where(squared < 16 * h**2, np.exp(-squared / h**2), 0)
-    return float(np.log(max((votes.weight[mine] * share).sum(), FLOOR)))
+    squared = ((votes.position[mine].astype(float) - position) ** 2).sum(axis=1)
+    fraction = np.where(squared < 16 * h**2, np.exp(-squared / h**2), 0)
+    return float(np.log(max((votes.weight[mine] * fraction).sum(), FLOOR)))
 
 
 def log_g(
-    structure: Structure, joints: Votes, pairs: Votes, places: dict[int, np.ndarray]
+    structure: Structure, joints: Votes, pairs: Votes, positions: dict[int, np.ndarray]
 ) -> float:
-    """The logarithm of equation 17 over the joints in `places`, and of how the legs get on."""
-    total = sum(log_sum(x, joints, j, structure.joint_bandwidth) for j, x in places.items())
+    """The logarithm of equation 17 over the joints in `positions`, with the legs' penalty."""
+    total = sum(log_sum(x, joints, j, structure.joint_bandwidth) for j, x in positions.items())
     for edge, (i, j) in enumerate(structure.edges.tolist()):
-        if i in places and j in places:
+        if i in positions and j in positions:
             h = float(structure.limb_lengths[edge])
-            total += structure.pair_weight * log_sum(places[j] - places[i], pairs, edge, h)
+            total += structure.pair_weight * log_sum(positions[j] - positions[i], pairs, edge, h)
     for left, right in structure.legs.tolist():
-        if left in places and right in places:
-            distance = float(np.linalg.norm(places[left] - places[right]))
+        if left in positions and right in positions:
+            distance = float(np.linalg.norm(positions[left] - positions[right]))
             total -= CROWDED * max(0.0, 1 - distance / structure.legs_apart)
     return float(total)
 
@@ -114,12 +116,12 @@ def test_the_choice_is_the_best_of_all_combinations(
     chosen = best_candidates(structure, joints, pairs, candidates)
 
     def score(which: tuple[int, ...]) -> float:
-        places = {
+        positions = {
             joint: candidates.positions[joint, k].astype(float)
             for joint, k in enumerate(which)
             if k >= 0
         }
-        return log_g(structure, joints, pairs, places)
+        return log_g(structure, joints, pairs, positions)
 
     options = [range(count) if count else [-1] for count in candidates.counts]
     best = max(score(which) for which in itertools.product(*options))
@@ -132,8 +134,8 @@ def test_ascent_never_descends_and_ends_where_the_gradient_vanishes(seed: int) -
     structure, joints, pairs, candidates = problem(seed)
     start = candidates.positions[:, 0]
 
-    def value(places: np.ndarray) -> float:
-        return log_g(structure, joints, pairs, dict(enumerate(places.astype(float))))
+    def value(positions: np.ndarray) -> float:
+        return log_g(structure, joints, pairs, dict(enumerate(positions.astype(float))))
 
     end = ascend(structure, joints, pairs, start)
     assert value(end) >= value(start) - 1e-6
@@ -163,25 +165,25 @@ def test_ascent_leaves_out_joints_that_are_unknown() -> None:
 
 
 def test_the_pair_density_decides_between_equal_candidates() -> None:
-    """A child has two equally likely places; only one is a limb's length from its parent."""
-    places = np.array([[0, 0, 2], [0.3, 0, 2], [-0.3, 0, 2]])
-    joints = gather_votes([0, 1, 3], places, np.ones(3))
+    """A child has two equally likely positions; only one is a limb's length from its parent."""
+    positions = np.array([[0, 0, 2], [0.3, 0, 2], [-0.3, 0, 2]])
+    joints = gather_votes([0, 1, 3], positions, np.ones(3))
     pairs = gather_votes([0, 1], np.array([[-0.3, 0, 0]]), np.ones(1))
     structure = Structure(
         np.array([[0, 1]], np.int32), np.array([0.3], np.float32), 0.07, 1.0, NO_LEGS, 0.0
     )
-    places = np.array([[[0, 0, 2], [0, 0, 0]], [[0.3, 0, 2], [-0.3, 0, 2]]], np.float32)
-    chosen = best_candidates(structure, joints, pairs, Candidates(places, np.array([1, 2])))
+    positions = np.array([[[0, 0, 2], [0, 0, 0]], [[0.3, 0, 2], [-0.3, 0, 2]]], np.float32)
+    chosen = best_candidates(structure, joints, pairs, Candidates(positions, np.array([1, 2])))
     assert chosen.tolist() == [0, 1]
 
 
 @pytest.mark.parametrize(('apart', 'expected'), [(0.12, [0, 1]), (0.0, [0, 0])])
-def test_legs_that_crowd_each_other_take_the_next_best_place(
+def test_legs_that_are_too_close_take_the_next_best_candidate(
     apart: float, expected: list[int]
 ) -> None:
-    """Most votes for either ankle are at one place; fewer for the right one are at another."""
-    places = np.array([[0, 0, 2], [0.02, 0, 2], [0.3, 0, 2]])
-    joints = gather_votes([0, 1, 3], places, np.array([1, 1, 0.4]))
+    """Most votes for either ankle are at one position; fewer for the right one are at another."""
+    positions = np.array([[0, 0, 2], [0.02, 0, 2], [0.3, 0, 2]])
+    joints = gather_votes([0, 1, 3], positions, np.array([1, 1, 0.4]))
     nothing = gather_votes([0], np.empty((0, 3)), np.empty(0))
     structure = Structure(
         np.empty((0, 2), np.int32),

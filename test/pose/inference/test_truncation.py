@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How far confidence is lowered near where the image cuts people off, pixel by pixel."""
+"""The factor for the confidence in joints near the edge of the image."""
 
 import numpy as np
 import pytest
@@ -38,8 +38,8 @@ def window_of(rows: slice, columns: slice) -> Window:
     return window
 
 
-def share_twin(joint: np.ndarray, sides: str) -> float:
-    """By how far in space the joint is from the nearest of the image's `sides`, at its depth."""
+def factor_twin(joint: np.ndarray, sides: str) -> float:
+    """The factor by the distance, at the joint's depth, to the nearest of the image's `sides`."""
     x, y, z = (float(number) for number in joint)
     column, row = CAMERA.cx + CAMERA.fx * x / z, CAMERA.cy + CAMERA.fy * y / z
     distances = {
@@ -67,25 +67,25 @@ def share_twin(joint: np.ndarray, sides: str) -> float:
         (slice(1, HEIGHT - 1), slice(20, WIDTH), 'r'),
     ],
 )
-def test_the_nearer_to_a_cut_the_less_is_believed(rows: slice, columns: slice, sides: str) -> None:
+def test_confidence_decreases_towards_a_cut(rows: slice, columns: slice, sides: str) -> None:
     window = window_of(rows, columns)
     assert cut_sides(window).tolist() == [side in sides for side in 'tblr']
     joints = np.random.default_rng(0).uniform((-1, -1, 1), (1, 1, 4), (200, 3)).astype(np.float32)
     found = truncation_factor(joints, window, CAMERA)
     assert found.dtype == np.float32
-    np.testing.assert_allclose(found, [share_twin(each, sides) for each in joints], atol=1e-4)
+    np.testing.assert_allclose(found, [factor_twin(each, sides) for each in joints], atol=1e-4)
     assert found.min() == pytest.approx(0.2)
     assert found.max() > 0.4
 
 
-def test_who_is_not_cut_off_is_believed_wherever_the_joints_are() -> None:
+def test_confidence_of_a_body_that_is_not_cut_off_is_unchanged() -> None:
     window = window_of(slice(1, HEIGHT - 1), slice(1, WIDTH - 1))
     assert not cut_sides(window).any()
     joints = np.random.default_rng(1).uniform((-9, -9, 1), (9, 9, 4), (50, 3)).astype(np.float32)
     assert (truncation_factor(joints, window, CAMERA) == 1).all()
 
 
-def test_a_joint_that_is_not_estimated_is_left_as_it_is() -> None:
+def test_a_joint_that_is_not_estimated_has_factor_1() -> None:
     joints = np.full((2, 3), np.nan, np.float32)
     joints[1] = (0.0, 5.0, 2.0)
     window = window_of(slice(10, HEIGHT), slice(10, 30))
@@ -93,7 +93,7 @@ def test_a_joint_that_is_not_estimated_is_left_as_it_is() -> None:
 
 
 def test_confidence_falls_where_the_image_ends_at_the_hips(small_model, people) -> None:
-    """The same pixels, once with the image going on below and once not."""
+    """The same body in an image that continues below it and in one that ends there."""
     frame, estimator = people[5], Estimator(small_model)
     rows = np.flatnonzero((frame.labels >= 0).any(axis=1))
     end = int(rows[0] + 0.6 * len(rows))

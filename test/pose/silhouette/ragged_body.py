@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A body full of what makes silhouettes hard: holes, steps, a ragged rim."""
+"""A body with holes, steps and a ragged rim, a difficult case for silhouettes."""
 
 import numpy as np
 

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Flying pixels, holes and noise of a body's depth, each written from its definition once more."""
+"""Flying pixels, holes and noise of a body's depth, each against its definition."""
 
 import itertools
 import math
@@ -40,7 +40,7 @@ BODY = 3
 
 
 def window_of(depth: np.ndarray, labels: np.ndarray, fewest_seen: int = 0) -> Window:
-    """Return the window of BODY, which is there."""
+    """Return the window of BODY."""
     window = cut_out(depth, labels, BODY, fewest_seen)
     assert window is not None
     return window
@@ -51,12 +51,12 @@ def ragged_window(seed: int) -> Window:
 
 
 def whole_body(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return `depth` for the kernels, and labels that say that all of it is BODY."""
+    """Return `depth` in single precision, and labels with BODY at all pixels."""
     return depth.astype(np.float32), np.full(depth.shape, BODY, np.int32)
 
 
 def drop_flying_twin(depth: np.ndarray, fewest: int, distance: float) -> np.ndarray:
-    """What has fewer than `fewest` of its eight neighbours within `distance` of its depth."""
+    """Depth without pixels that have fewer than `fewest` neighbours within `distance`."""
     kept = depth.copy()
     for i, j in np.argwhere(np.isfinite(depth)):
         near = np.abs(depth[i - 1 : i + 2, j - 1 : j + 2] - depth[i, j]) <= np.float32(distance)
@@ -66,7 +66,7 @@ def drop_flying_twin(depth: np.ndarray, fewest: int, distance: float) -> np.ndar
 
 
 def noise_twin(depth: np.ndarray) -> float:
-    """The mean of |a - 2 b + c| < 0.1 m along rows and columns, as so much normal noise has it."""
+    """The standard deviation of normal noise, from the mean of |a - 2 b + c| < 0.1 m."""
     found = []
     for lines in (depth.astype(float).tolist(), depth.T.astype(float).tolist()):
         for line in lines[1:-1]:
@@ -78,7 +78,7 @@ def noise_twin(depth: np.ndarray) -> float:
 
 
 def fill_holes_twin(depth: np.ndarray, labels: np.ndarray, fewest: int) -> np.ndarray:
-    """The image of the body: of a pixel without depth, the median of its neighbours on the body.
+    """The body's depth; a pixel without depth gets the median of its neighbours on the body.
 
     The pixels are those of the smallest box around what is seen of the body.
     """
@@ -106,7 +106,7 @@ def test_flying_pixels_are_those_with_few_neighbours_at_their_depth(
     assert (np.isfinite(kept).sum() == np.isfinite(window.depth).sum()) == (fewest == 0)
 
 
-def test_only_where_the_settings_say_so_are_flying_pixels_taken_out() -> None:
+def test_flying_pixels_are_removed_only_if_the_settings_ask_for_it() -> None:
     window = ragged_window(1)
     assert remove_flying_pixels(window, Settings(fewest_neighbours=0)) is window
     solid = remove_flying_pixels(window, Settings(fewest_neighbours=3, neighbour_distance=0.05))
@@ -114,7 +114,7 @@ def test_only_where_the_settings_say_so_are_flying_pixels_taken_out() -> None:
     assert solid[1:] == window[1:]
 
 
-def test_a_silhouette_is_found_without_flying_pixels_where_the_settings_say_so() -> None:
+def test_the_silhouette_has_no_flying_pixels_if_the_settings_remove_them() -> None:
     depth = np.zeros((30, 30), np.float32)
     depth[8:22, 8:22] = 2.0
     flying = np.zeros(depth.shape, bool)
@@ -128,13 +128,13 @@ def test_a_silhouette_is_found_without_flying_pixels_where_the_settings_say_so()
     assert flying[raw.rows, raw.columns].sum() == 7
 
 
-def test_flying_pixels_are_no_reason_to_take_out_what_the_image_cuts() -> None:
+def test_pixels_at_the_edge_of_the_image_are_not_flying_pixels() -> None:
     window = window_of(*whole_body(np.full((10, 10), 2.0)))
     np.testing.assert_array_equal(drop_flying(window.depth, 3, 0.1), window.depth)
 
 
 @pytest.mark.parametrize('seed', range(5))
-def test_noise_is_what_second_differences_say(seed: int) -> None:
+def test_noise_is_the_scaled_mean_of_second_differences(seed: int) -> None:
     depth = ragged_window(seed).depth
     expected = noise_twin(depth)
     assert expected > 0.005
@@ -157,7 +157,7 @@ def test_noise_of_a_slanting_plane_is_found(cut: str) -> None:
     assert depth_noise(depth) == pytest.approx(0.005, rel=0.1)
 
 
-def test_a_flat_surface_has_no_noise_and_the_steps_a_sensor_counts_in_are_some() -> None:
+def test_a_flat_surface_has_no_noise_and_quantisation_is_noise() -> None:
     rows, columns = np.indices((60, 80))
     flat = 2.0 + 0.004 * rows - 0.01 * columns
     assert depth_noise(window_of(*whole_body(flat)).depth) < 1e-6
@@ -198,7 +198,7 @@ CLIFFS[::2, ::2] = CLIFFS[1::2, 1::2] = 2.2
     ],
 )
 @pytest.mark.parametrize('border', [np.inf, np.nan])
-def test_noise_of_what_is_no_surface_is_none(depth: np.ndarray, border: float) -> None:
+def test_depth_without_a_surface_has_no_noise(depth: np.ndarray, border: float) -> None:
     window = np.pad(depth, 1, constant_values=border).astype(np.float32)
     assert depth_noise(window) == noise_twin(window) == 0.0
 
@@ -219,7 +219,7 @@ def same_silhouette(first: Silhouette, second: Silhouette) -> bool:
 
 
 def uneven_window(seed: int) -> Window:
-    """Return a body of small tiles, up to 20 cm one behind the other, with 5 mm of noise."""
+    """Return a body of small tiles at depths that differ by up to 20 cm, with 5 mm of noise."""
     rng = np.random.default_rng(seed)
     tiles = np.kron(rng.uniform(2.0, 2.2, (10, 15)), np.ones((4, 4)))
     return window_of(*whole_body(tiles + rng.normal(0, 0.005, tiles.shape)))
@@ -229,7 +229,7 @@ def uneven_window(seed: int) -> Window:
     ('least', 'sigma', 'threshold'),
     [(0.01, 0.02, 0.04), (0.03, 0.03, 0.04), (0.06, 0.06, 0.06), (0.08, 0.08, 0.08)],
 )
-def test_sigma_and_the_edge_threshold_are_at_least_so_many_times_the_noise(
+def test_sigma_and_the_edge_threshold_are_at_least_a_multiple_of_the_noise(
     least: float, sigma: float, threshold: float
 ) -> None:
     window = uneven_window(0)
@@ -247,7 +247,7 @@ def test_sigma_and_the_edge_threshold_are_at_least_so_many_times_the_noise(
     assert len(lower.rows) > len(found.rows) > 0
 
 
-def test_a_body_without_noise_is_smoothed_as_ever() -> None:
+def test_a_body_without_noise_is_smoothed_with_the_usual_sigma() -> None:
     window = window_of(*whole_body(np.full((9, 9), 2.0)))
     plain = find_silhouette(window, CAMERA, Settings())
     assert same_silhouette(find_silhouette(window, CAMERA, Settings(noise_factor=4.0)), plain)
@@ -292,12 +292,12 @@ def plane_with(holes: list[tuple[int, int]]) -> tuple[np.ndarray, np.ndarray]:
     return depth, labels
 
 
-def pixel(window: Window, place: tuple[int, int]) -> float:
-    return float(window.depth[place[0] - window.row, place[1] - window.column])
+def pixel(window: Window, position: tuple[int, int]) -> float:
+    return float(window.depth[position[0] - window.row, position[1] - window.column])
 
 
 @pytest.mark.parametrize('unseen', [0.0, np.nan])
-def test_a_hole_in_the_body_is_filled_whatever_the_mask_says_of_it(unseen: float) -> None:
+def test_a_hole_in_the_body_is_filled_for_any_value_of_the_mask(unseen: float) -> None:
     hole = (4, 4)
     for label in (BODY, NO_BODY, BODY + 1):
         depth, labels = plane_with([])
@@ -307,7 +307,7 @@ def test_a_hole_in_the_body_is_filled_whatever_the_mask_says_of_it(unseen: float
         assert np.isinf(pixel(window_of(depth, labels), hole))
 
 
-def test_what_is_seen_through_the_body_or_before_it_is_no_hole() -> None:
+def test_a_pixel_with_a_depth_beside_the_body_is_not_a_hole() -> None:
     for label in (NO_BODY, BODY + 1):
         depth, labels = plane_with([])
         labels[4, 4] = label
@@ -316,7 +316,7 @@ def test_what_is_seen_through_the_body_or_before_it_is_no_hole() -> None:
         np.testing.assert_array_equal(window.depth, window_of(depth, labels).depth)
 
 
-def test_a_hole_between_two_bodies_belongs_to_the_one_around_it() -> None:
+def test_a_hole_between_two_bodies_belongs_to_the_surrounding_body() -> None:
     depth, labels = plane_with([(4, 4)])
     labels[:, 5:] = BODY + 1
     depth[:, 5:] += np.float32(0.5)
@@ -331,7 +331,7 @@ def test_a_hole_between_two_bodies_belongs_to_the_one_around_it() -> None:
 
 
 @pytest.mark.parametrize(('hole', 'seen'), [((0, 3), 5), ((3, 7), 5), ((0, 0), 3), ((7, 0), 3)])
-def test_outside_of_the_image_nothing_is_seen_and_nothing_filled(
+def test_pixels_outside_of_the_image_neither_count_nor_are_filled(
     hole: tuple[int, int], seen: int
 ) -> None:
     depth, labels = plane_with([hole])
@@ -351,14 +351,14 @@ def test_filled_pixels_fill_no_others() -> None:
     assert np.isfinite(window_of(depth, labels, 6).depth[1:-1, 1:-1]).all()
 
 
-def test_of_a_single_pixel_nothing_grows() -> None:
+def test_a_single_pixel_does_not_grow() -> None:
     depth, labels = np.zeros((5, 5), np.float32), np.full((5, 5), BODY, np.int32)
     depth[2, 2] = 2.0
     assert np.isfinite(window_of(depth, labels, 1).depth).sum() == 1
     assert cut_out(np.zeros_like(depth), labels, BODY, 1) is None
 
 
-def test_the_window_that_is_filled_stays_as_it_is() -> None:
+def test_filling_does_not_change_its_argument() -> None:
     depth, labels = plane_with([(4, 4)])
     window = window_of(depth, labels)
     before = window.depth.copy()
@@ -366,7 +366,7 @@ def test_the_window_that_is_filled_stays_as_it_is() -> None:
     np.testing.assert_array_equal(window.depth, before)
 
 
-def test_a_pepper_of_missing_pixels_is_silhouette_unless_it_is_filled() -> None:
+def test_scattered_missing_pixels_make_edges_unless_they_are_filled() -> None:
     rng = np.random.default_rng(4)
     depth = np.zeros((50, 60), np.float32)
     body = np.s_[5:45, 10:50]

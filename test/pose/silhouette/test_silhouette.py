@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The window and the silhouette of a body, against equations 1 and 2."""
+
 import numpy as np
 import pytest
 from plain import silhouette as plain

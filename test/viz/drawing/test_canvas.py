@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""Figures as PNG files, independent of user settings."""
+
 import subprocess
 import sys
 from pathlib import Path
@@ -43,7 +45,7 @@ def picture() -> bytes:
     return png_bytes(figure)
 
 
-def test_the_same_picture_is_the_same_file_whatever_the_users_style() -> None:
+def test_the_same_figure_gives_the_same_file_with_any_user_style() -> None:
     first = picture()
     with mpl.rc_context({'font.size': 23, 'axes.facecolor': 'red', 'savefig.dpi': 33}):
         assert picture() == first
@@ -57,7 +59,7 @@ def test_a_file_names_no_program_and_no_time(tmp_path: Path) -> None:
         assert image.info.keys() <= {'dpi'}
 
 
-def test_scale_makes_the_picture_finer(tmp_path: Path) -> None:
+def test_scale_increases_the_resolution(tmp_path: Path) -> None:
     sizes = []
     for scale in (1.0, 2.0):
         path = tmp_path / f'{scale}.png'
@@ -67,7 +69,7 @@ def test_scale_makes_the_picture_finer(tmp_path: Path) -> None:
     assert sizes == [(200, 100), (400, 200)]
 
 
-def test_saving_leaves_only_the_picture(tmp_path: Path) -> None:
+def test_saving_leaves_only_the_file(tmp_path: Path) -> None:
     save_png(new_figure(1, 1), tmp_path / 'a.png')
     assert [path.name for path in tmp_path.iterdir()] == ['a.png']
     with Image.open(tmp_path / 'a.png') as image:
@@ -81,7 +83,7 @@ def test_what_cannot_be_written_names_the_file_and_leaves_nothing(tmp_path: Path
     assert [path.name for path in tmp_path.iterdir()] == ['taken']
 
 
-def test_a_folder_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+def test_the_error_names_a_folder_that_cannot_be_created(tmp_path: Path) -> None:
     (tmp_path / 'file').touch()
     with pytest.raises(InputError, match=r'file/below: cannot create this folder'):
         make_directory(tmp_path / 'file' / 'below')
@@ -93,5 +95,5 @@ def test_drawing_needs_neither_pyplot_nor_a_display() -> None:
         'import lsc_pose_ros.viz.report.report, lsc_pose_ros.viz.stages.stage_sheet\n'
         'sys.exit("matplotlib.pyplot" in sys.modules)\n'
     )
-    root = Path(__file__).parents[2]
+    root = Path(__file__).parents[3]
     assert subprocess.run([sys.executable, '-c', script], cwd=root, check=False).returncode == 0

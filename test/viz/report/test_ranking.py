@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The best and the worst frames of an evaluation."""
+
 import numpy as np
 
 from lsc_pose_ros.evaluation.evaluate import Evaluation

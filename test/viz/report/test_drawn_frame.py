@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The panel of one frame: caption, ground truth, silhouette, colours."""
+
 import numpy as np
 import pytest
 
@@ -26,16 +28,16 @@ from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, caption, only_joints
 
 
 def skeletons(*rows: list[float], joints: tuple[int, ...] = (0, 1, 2)) -> Skeletons:
-    """Bodies numbered from 1, whose joints lie at (x, 0, 2) metres."""
-    places = np.zeros((len(rows), len(joints), 3), np.float32)
-    places[..., 2] = 2
-    places[..., 0] = rows
-    places[np.isnan(places[..., 0])] = np.nan
+    """Bodies numbered from 1, whose joints are at (x, 0, 2) metres."""
+    positions = np.zeros((len(rows), len(joints), 3), np.float32)
+    positions[..., 2] = 2
+    positions[..., 0] = rows
+    positions[np.isnan(positions[..., 0])] = np.nan
     return Skeletons(
         np.arange(1, len(rows) + 1, dtype=np.uint16),
         np.array(joints, np.uint16),
-        places,
-        np.ones(places.shape[:2], np.float32),
+        positions,
+        np.ones(positions.shape[:2], np.float32),
     )
 
 
@@ -60,7 +62,7 @@ NAN = float('nan')
         ([[NAN, NAN, NAN]], [[0.0, 0.0, 0.0]], 'frame 3'),
     ],
 )
-def test_caption_tells_the_mean_error(
+def test_the_caption_has_the_mean_error(
     ground_truth: list[list[float]], estimate: list[list[float]], said: str
 ) -> None:
     assert caption(drawn(skeletons(*ground_truth), skeletons(*estimate))) == said
@@ -95,7 +97,7 @@ def test_silhouette_pixels_are_those_of_the_method(fill_holes: int, people: list
     assert of_the_body.all() == (fill_holes == 0)  # the mask knows nothing of what is filled
 
 
-def test_sides_have_colours_of_their_own() -> None:
+def test_sides_have_their_own_colours() -> None:
     assert [side_colour(name) for name in ('l_hand', 'r_hand', 'neck')] == [LEFT, RIGHT, MIDDLE]
     assert bone_colour('neck', 'l_shoulder') == LEFT
     assert bone_colour('r_hip', 'r_knee') == RIGHT

@@ -13,6 +13,8 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+"""The contact sheet."""
+
 import io
 
 import numpy as np
@@ -40,14 +42,14 @@ def count(image: NDArray[np.uint8], colour: str) -> int:
     return int((np.abs(image - wanted).max(axis=-1) < 8).sum())
 
 
-def test_estimate_ground_truth_and_silhouette_are_drawn_in_their_colours(
+def test_estimate_ground_truth_and_silhouette_have_their_colours(
     drawn: list[DrawnFrame],
 ) -> None:
     image = pixels(drawn[:1])
     assert min(count(image, colour) for colour in (GROUND_TRUTH, LEFT, RIGHT, EDGE)) > 10
 
 
-def test_without_an_estimate_the_ground_truth_takes_the_colours_of_the_sides(
+def test_without_an_estimate_the_ground_truth_has_the_colours_of_the_sides(
     drawn: list[DrawnFrame],
 ) -> None:
     image = pixels([drawn[0]._replace(estimate=None)])
@@ -68,7 +70,7 @@ def test_the_same_frames_give_the_same_file(drawn: list[DrawnFrame]) -> None:
 @pytest.mark.parametrize(
     ('frames', 'shape'), [(1, (1, 1)), (5, (1, 5)), (8, (2, 4)), (13, (3, 5))]
 )
-def test_every_frame_has_a_place(
+def test_each_frame_has_a_panel(
     drawn: list[DrawnFrame], frames: int, shape: tuple[int, int]
 ) -> None:
     figure = contact_sheet([drawn[number % 3] for number in range(frames)])
@@ -77,7 +79,7 @@ def test_every_frame_has_a_place(
     assert sum(bool(axes.get_title()) for axes in figure.axes) == frames
 
 
-def test_a_frame_that_shows_nobody_is_drawn_whole(drawn: list[DrawnFrame]) -> None:
+def test_a_frame_without_bodies_is_drawn_whole(drawn: list[DrawnFrame]) -> None:
     frame = drawn[0].frame
     empty = frame._replace(labels=np.full_like(frame.labels, NO_BODY), ground_truth=None)
     axes = contact_sheet([DrawnFrame('frame 0', empty)]).axes[0]
