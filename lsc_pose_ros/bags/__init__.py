@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recordings of ROS 2: rosbag2 in MCAP or SQLite, read and written without ROS."""
+"""Reads and writes recordings of rosbag2 (MCAP, SQLite) without ROS."""
 
 from lsc_pose_ros.bags.frames import FrameReader, open_recording
 from lsc_pose_ros.bags.storage.reader import RecordingReader, read_messages

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A recording with the joints estimated in every frame: what a live node would have answered."""
+"""Writes a copy of a recording with estimated skeletons, as a live node would publish them."""
 
 import struct
 from collections.abc import Iterator
@@ -42,24 +42,24 @@ def write_estimated_copy(
     segmenter: Segmenter | None = None,
     drawing_settings: DrawingSettings = _DEFAULT_DRAWING,
 ) -> Iterator[Skeletons]:
-    """Write what the frames are made of, as it was recorded, and the joints of every frame.
+    """Copy the messages of the frames, and add the estimated skeletons and markers of each frame.
 
-    Each answer has its depth image's header, and its time of recording.
+    An estimate has the header and the log time of its depth image.
 
     Args:
         frames: the frames.
-        sequence: what answers them, one after the other.
-        writer: what writes.
-        segmenter: what finds the bodies, None where the frames' masks show them.
+        sequence: estimates the frames in their order.
+        writer: writes the copy.
+        segmenter: finds the bodies; None to use the masks of the frames.
         drawing_settings: how the joints are drawn.
 
     Yields:
-        each answer, when it is written.
+        Each estimate, after it is written.
     """
-    original = _Original(frames, writer)
+    copier = _MessageCopier(frames, writer)
     marker_updater = MarkerUpdater(sequence.estimator.model.edges)
     for frame in frames:
-        log_time = original.copy_up_to(frame.stamp)
+        log_time = copier.copy_up_to(frame.stamp)
         labels = frame.labels
         if segmenter is not None:
             labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
@@ -69,39 +69,39 @@ def write_estimated_copy(
         writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))
         writer.write(MARKERS_TOPIC, MARKER_ARRAY, log_time, markers_message(*head, shapes))
         yield skeletons
-    original.copy_rest()
+    copier.copy_rest()
 
 
-class _Original:
-    """The recorded messages, copied in step with the frames, so that few are held in memory."""
+class _MessageCopier:
+    """Copies recorded messages in step with the frames, in bounded memory."""
 
     def __init__(self, frames: FrameReader, writer: RecordingWriter) -> None:
         self._writer = writer
         self._depth_topic = frames.topics.depth
-        self._wanted = frozenset(filter(None, frames.topics))
+        self._topics = frozenset(filter(None, frames.topics))
         self._messages = iter(read_messages(frames.path))
         self._log_times: dict[int, int] = {}
 
     def copy_up_to(self, stamp: int) -> int:
-        """Copy messages up to the depth image with `stamp`; return when it was recorded."""
+        """Copy messages up to the depth image with `stamp`; return its log time, nanoseconds."""
         while stamp not in self._log_times:
             message = next(self._messages, None)
             if message is None:
                 return stamp
             self._copy(message)
         log_time = self._log_times.pop(stamp)
-        # Frames come in order: what is older has no mask and is never asked for.
+        # Frames come in order: an older image has no mask, and its log time is not needed.
         for older in [each for each in self._log_times if each < stamp]:
             del self._log_times[older]
         return log_time
 
     def copy_rest(self) -> None:
-        """Copy what comes after the last frame."""
+        """Copy the messages after the last frame."""
         for message in self._messages:
             self._copy(message)
 
     def _copy(self, message: SerializedMessage) -> None:
-        if message.topic not in self._wanted:
+        if message.topic not in self._topics:
             return
         self._writer.write(message.topic, message.type_name, message.log_time, message.data)
         if message.topic == self._depth_topic:
@@ -109,7 +109,7 @@ class _Original:
 
 
 def _stamp(data: bytes) -> int:
-    """Return the stamp of a serialised message that begins with a header, nanoseconds."""
+    """Return the stamp of a serialized message that begins with a header, nanoseconds."""
     order = '<' if data[1] & _LITTLE_ENDIAN else '>'
     seconds, nanoseconds = struct.unpack_from(f'{order}iI', data, 4)
     return int(seconds) * 1_000_000_000 + int(nanoseconds)

@@ -216,7 +216,7 @@ def open_recording(
         str(messages.path), messages.topics, lambda names: _encodings(messages, names)
     )
     if not any(topic.count != 0 for topic in messages.topics.values()):
-        list(messages)  # for what it warns of
+        list(messages)  # for its warnings
         raise InputError('; '.join([f'{path}: the recording has no messages', *messages.warnings]))
     found = find_topics(topics, recorded, need_mask=need_mask)
     return FrameReader(messages, found, mask_background)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a recording holds, found by reading all of it, its checksums included."""
+"""Summarises a recording by reading all of it, including its checksums."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +26,7 @@ from lsc_pose_ros.errors import InputError
 
 
 class TopicReport(NamedTuple):
-    """A topic: its name, its type, and how many messages were read of it."""
+    """A topic, and the number of its messages that were read."""
 
     name: str
     type_name: str
@@ -34,20 +34,20 @@ class TopicReport(NamedTuple):
 
 
 class RecordingReport(NamedTuple):
-    """What was found.
+    """The contents of a recording.
 
     Attributes:
         path: the file or the bag folder.
-        files: the files it consists of.
-        size_bytes: what they take on disk.
-        start_ns: when the earliest message was recorded, nanoseconds.
-        duration_s: from there to the latest.
-        messages: how many could be read.
-        topics: all that have messages or are declared, by name.
-        frames: complete frames: depth, camera info, mask.
-        labelled_frames: frames with labelled skeletons.
-        frame_topics: the topics that the frames are made of.
-        warnings: what is wrong with it, a sentence each.
+        files: its files.
+        size_bytes: the size of the files.
+        start_ns: the earliest log time, nanoseconds.
+        duration_s: the time from the earliest to the latest message, seconds.
+        messages: the number of messages that can be read.
+        topics: all topics that are declared or have messages, sorted by name.
+        frames: the number of complete frames: depth image, camera info, mask.
+        labelled_frames: the number of frames with ground truth.
+        frame_topics: the topics of the frames, by their role.
+        warnings: a sentence for each problem.
     """
 
     path: str
@@ -64,11 +64,7 @@ class RecordingReport(NamedTuple):
 
 
 class Inspection:
-    """A reading of a whole recording; iterating it does the work, a step a frame or message.
-
-    Attributes:
-        total: how many steps there will be, None where the recording does not say.
-    """
+    """Reads a whole recording while it is iterated; a step is a frame or a message."""
 
     def __init__(self, path: Path | str, topics: Topics, mask_background: int) -> None:
         """Open the recording.
@@ -77,9 +73,9 @@ class Inspection:
             InputError: there is no recording.
         """
         self._frames: FrameReader | None = None
-        self._raw: RecordingReader = read_messages(path)
+        self._messages: RecordingReader = read_messages(path)
         self._without_frames: list[str] = []
-        self._count = 0
+        self._frame_count = 0
         self._labelled = 0
         try:
             self._frames = open_recording(path, topics, mask_background=mask_background)
@@ -88,37 +84,37 @@ class Inspection:
 
     @property
     def total(self) -> int | None:
-        """How many steps the iteration will have, None where the recording does not say."""
+        """The number of steps of the iteration, None if it is unknown."""
         if self._frames is not None:
             return self._frames.count
-        counts = [topic.count for topic in self._raw.topics.values()]
+        counts = [topic.count for topic in self._messages.topics.values()]
         return None if None in counts else sum(filter(None, counts))
 
     def __iter__(self) -> Iterator[object]:
         """Read the recording."""
         if self._frames is None:
-            yield from self._raw
+            yield from self._messages
             return
         try:
             for frame in self._frames:
-                self._count += 1
+                self._frame_count += 1
                 self._labelled += frame.ground_truth is not None
                 yield frame
         except InputError as error:
-            # What the frames cannot use may be whole all the same: count it without them.
+            # The messages may be intact although no frame can be made of them: count messages.
             self._frames = None
-            self._without_frames = [f'frames can be read no further: {error}']
-            yield from self._raw
+            self._without_frames = [f'the reading of frames stopped: {error}']
+            yield from self._messages
 
     def report(self) -> RecordingReport:
-        """Return what the iteration has found."""
-        reader = self._frames or self._raw
-        statistics, topics = reader.statistics, self._raw.topics
+        """Return the contents, after the iteration."""
+        reader = self._frames or self._messages
+        statistics, topics = reader.statistics, self._messages.topics
         used = self._frames.topics if self._frames is not None else Topics()
         return RecordingReport(
-            path=str(self._raw.path),
-            files=[str(path) for path in self._raw.files],
-            size_bytes=self._raw.size,
+            path=str(self._messages.path),
+            files=[str(path) for path in self._messages.files],
+            size_bytes=self._messages.size,
             start_ns=statistics.start,
             duration_s=statistics.seconds,
             messages=statistics.messages,
@@ -126,7 +122,7 @@ class Inspection:
                 TopicReport(name, topics[name].type_name, statistics.counts.get(name, 0))
                 for name in sorted(topics)
             ],
-            frames=self._count,
+            frames=self._frame_count,
             labelled_frames=self._labelled,
             frame_topics={name: topic for name, topic in used._asdict().items() if topic},
             warnings=[*reader.warnings, *self._without_frames],

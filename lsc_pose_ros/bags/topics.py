@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which of a recording's topics are the depth image, the camera info, the mask and the truth."""
+"""Finds the topics of depth image, camera info, mask and ground truth in a recording."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
@@ -25,11 +25,11 @@ from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAG
 
 _IMAGES = (IMAGE, COMPRESSED_IMAGE)
 _MASK_WORDS = ('mask', 'body_index', 'label', 'segment')
-_TRUTH_WORDS = ('ground_truth', 'truth')
+_GROUND_TRUTH_WORDS = ('ground_truth', 'truth')
 
 
 class Topics(NamedTuple):
-    """The names of the topics that make up a frame; '' is found by type and name."""
+    """The topics of a frame's messages; '' for one that is found by type and name."""
 
     depth: str = ''
     camera_info: str = ''
@@ -41,37 +41,37 @@ DEFAULT_TOPICS = Topics('/depth/image', '/depth/camera_info', '/mask', '/ground_
 
 
 class RecordedTopics(NamedTuple):
-    """What a recording offers.
+    """The topics of a recording.
 
     Attributes:
-        where: its path, for errors.
-        topics: its topics by name.
-        encodings: returns the encoding of the first image of each of the topics it is given;
-            asked only where the names leave a choice, because the answer takes reading.
+        path: the path of the recording, for error messages.
+        topics: the topics by name.
+        encodings: returns the encoding of the first image of each given topic. It is called only
+            if the names are ambiguous, because it reads the recording.
     """
 
-    where: str
+    path: str
     topics: Mapping[str, TopicSummary]
     encodings: Callable[[Sequence[str]], Mapping[str, str]]
 
 
-def find_topics(wanted: Topics, recorded: RecordedTopics, *, need_mask: bool = True) -> Topics:
-    """Return the topics of the frames in a recording; `mask` and `ground_truth` are '' for none.
+def find_topics(given: Topics, recorded: RecordedTopics, *, need_mask: bool = True) -> Topics:
+    """Return the topics of the frames; `mask` and `ground_truth` are '' if there are none.
 
     Args:
-        wanted: the names that are given; each '' is looked for.
-        recorded: what there is.
-        need_mask: whether frames without a mask are of no use.
+        given: the names that the user has given; each '' is searched for.
+        recorded: the topics of the recording.
+        need_mask: True to raise an error if there is no mask.
 
     Raises:
-        InputError: one is missing, has another type, or there are several to choose from.
+        InputError: a topic is missing, has another type, or is ambiguous.
     """
-    depth = _named(wanted.depth, _IMAGES, recorded, 'depth') or _find_depth(recorded)
-    info = _named(wanted.camera_info, (CAMERA_INFO,), recorded, 'camera-info')
-    mask = _named(wanted.mask, _IMAGES, recorded, 'mask') or _find_mask(recorded, depth)
-    ground_truth = _named(wanted.ground_truth, (POINT_CLOUD,), recorded, 'ground-truth')
+    depth = _named(given.depth, _IMAGES, recorded, 'depth') or _find_depth(recorded)
+    info = _named(given.camera_info, (CAMERA_INFO,), recorded, 'camera-info')
+    mask = _named(given.mask, _IMAGES, recorded, 'mask') or _find_mask(recorded, depth)
+    ground_truth = _named(given.ground_truth, (POINT_CLOUD,), recorded, 'ground-truth')
     if need_mask and not mask:
-        msg = f'{recorded.where}: no mask topic; {_advice(recorded, _IMAGES, "mask")}'
+        msg = f'{recorded.path}: no mask topic; {_advice(recorded, _IMAGES, "mask")}'
         raise InputError(msg)
     return Topics(
         depth,
@@ -82,16 +82,16 @@ def find_topics(wanted: Topics, recorded: RecordedTopics, *, need_mask: bool = T
 
 
 def _named(name: str, types: Sequence[str], recorded: RecordedTopics, option: str) -> str:
-    """Return the topic that the user named, or '' where none was named."""
+    """Return `name` if it is a topic with one of `types`, '' if it is ''."""
     if not name:
         return ''
     topic = recorded.topics.get(name)
     if topic is None:
-        msg = f'{recorded.where}: no topic {name}; {_advice(recorded, types, option)}'
+        msg = f'{recorded.path}: no topic {name}; {_advice(recorded, types, option)}'
         raise InputError(msg)
     if topic.type_name not in types:
         msg = (
-            f'{recorded.where}: the topic {name} is a {topic.type_name}; '
+            f'{recorded.path}: the topic {name} is a {topic.type_name}; '
             f'{_advice(recorded, types, option)}'
         )
         raise InputError(msg)
@@ -99,16 +99,18 @@ def _named(name: str, types: Sequence[str], recorded: RecordedTopics, option: st
 
 
 def _find_depth(recorded: RecordedTopics) -> str:
-    images = [name for name in _of_types(recorded, _IMAGES) if not _has(name, _MASK_WORDS)]
+    images = [
+        name for name in _of_types(recorded, _IMAGES) if not _contains_any(name, _MASK_WORDS)
+    ]
     if DEFAULT_TOPICS.depth in images:
         return DEFAULT_TOPICS.depth
-    named = _without_copies([name for name in images if 'depth' in name.lower()])
+    named = _without_transports([name for name in images if 'depth' in name.lower()])
     if len(named) == 1:
         return named[0]
     encodings = recorded.encodings(named or images)
     found = [name for name in named or images if _is_depth(encodings.get(name, ''))]
     if not found and not named:
-        msg = f'{recorded.where}: no depth topic; {_advice(recorded, _IMAGES, "depth")}'
+        msg = f'{recorded.path}: no depth topic; {_advice(recorded, _IMAGES, "depth")}'
         raise InputError(msg)
     return _only(found or named, recorded, 'depth')
 
@@ -116,9 +118,9 @@ def _find_depth(recorded: RecordedTopics) -> str:
 def _find_camera_info(recorded: RecordedTopics, depth: str) -> str:
     infos = _of_types(recorded, (CAMERA_INFO,))
     if not infos:
-        msg = f'{recorded.where}: no camera info (sensor_msgs/msg/CameraInfo) was recorded'
+        msg = f'{recorded.path}: no camera info (sensor_msgs/msg/CameraInfo) was recorded'
         raise InputError(msg)
-    # By convention it lies beside the image; a transport's name comes below the image's own.
+    # The convention: camera_info is a sibling of the image; a transport is a child of the image.
     parents = (depth.rpartition('/')[0], depth.rpartition('/')[0].rpartition('/')[0])
     for parent in parents:
         if f'{parent}/camera_info' in infos:
@@ -133,7 +135,7 @@ def _find_mask(recorded: RecordedTopics, depth: str) -> str:
     images = [name for name in _of_types(recorded, _IMAGES) if name != depth]
     if DEFAULT_TOPICS.mask in images:
         return DEFAULT_TOPICS.mask
-    found = _without_copies([name for name in images if _has(name, _MASK_WORDS)])
+    found = _without_transports([name for name in images if _contains_any(name, _MASK_WORDS)])
     return _only(found, recorded, 'mask') if found else ''
 
 
@@ -141,7 +143,7 @@ def _find_ground_truth(recorded: RecordedTopics) -> str:
     clouds = _of_types(recorded, (POINT_CLOUD,))
     if DEFAULT_TOPICS.ground_truth in clouds:
         return DEFAULT_TOPICS.ground_truth
-    found = [name for name in clouds if _has(name, _TRUTH_WORDS)]
+    found = [name for name in clouds if _contains_any(name, _GROUND_TRUTH_WORDS)]
     return _only(found, recorded, 'ground-truth') if found else ''
 
 
@@ -154,12 +156,12 @@ def _of_types(recorded: RecordedTopics, types: Sequence[str]) -> list[str]:
     )
 
 
-def _without_copies(names: list[str]) -> list[str]:
-    """Leave out what image_transport publishes of an image that is there itself."""
+def _without_transports(names: list[str]) -> list[str]:
+    """Remove the topics of image_transport whose raw image is among `names`."""
     return [name for name in names if name.rpartition('/')[0] not in names]
 
 
-def _has(name: str, words: Sequence[str]) -> bool:
+def _contains_any(name: str, words: Sequence[str]) -> bool:
     return any(word in name.lower() for word in words)
 
 
@@ -170,7 +172,7 @@ def _is_depth(encoding: str) -> bool:
 def _only(names: list[str], recorded: RecordedTopics, option: str) -> str:
     if len(names) > 1:
         msg = (
-            f'{recorded.where}: several topics could be the {option.replace("-", " ")}: '
+            f'{recorded.path}: several topics could be the {option.replace("-", " ")}: '
             f'{", ".join(names)}; choose with --{option}-topic'
         )
         raise InputError(msg)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a sensor_msgs/CameraInfo says of the images that come with it."""
+"""Computes the camera of the images that belong to a sensor_msgs/CameraInfo."""
 
 from collections.abc import Sequence
 from typing import NamedTuple, Protocol
@@ -26,7 +26,7 @@ from lsc_pose_ros.errors import InputError
 
 
 class Region(Protocol):
-    """The fields that are used of a sensor_msgs/RegionOfInterest."""
+    """The fields of a sensor_msgs/RegionOfInterest that are used."""
 
     x_offset: int
     y_offset: int
@@ -35,7 +35,7 @@ class Region(Protocol):
 
 
 class CameraInfoFields(Protocol):
-    """The fields that are used of a sensor_msgs/CameraInfo, whichever library's class it is."""
+    """The fields of a sensor_msgs/CameraInfo that are used; the class may be of any library."""
 
     height: int
     width: int
@@ -46,7 +46,7 @@ class CameraInfoFields(Protocol):
 
 
 class ImageCamera(NamedTuple):
-    """The camera of the images as they come: their size in pixels, 0 if not given, and K."""
+    """The size of the published images in pixels, 0 if it is unknown, and their intrinsics."""
 
     height: int
     width: int
@@ -54,13 +54,13 @@ class ImageCamera(NamedTuple):
 
 
 def image_camera(info: CameraInfoFields) -> ImageCamera:
-    """Return the camera for the images that come with `info`.
+    """Return the camera of the images that are published with `info`.
 
-    Width, height and K are those of the whole sensor: where the camera sends a region of it or
-    joins pixels (binning), its images are smaller and K is adapted to them.
+    Width, height and K of a CameraInfo describe the whole sensor. With a region of interest or
+    binning the images are smaller, and K is adapted to them.
 
     Raises:
-        InputError: K is no pinhole camera's.
+        InputError: K is not the matrix of a pinhole camera.
     """
     fx, fy, cx, cy = (float(info.k[index]) for index in (0, 4, 2, 5))
     if not (fx > 0 and fy > 0 and np.isfinite([fx, fy, cx, cy]).all()):

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Skeletons as TF frames, named and laid out as REP-155 says."""
+"""Computes the TF frames of skeletons, with the names and axes of REP-155."""
 
 from typing import NamedTuple
 
@@ -28,13 +28,13 @@ _NO_ROTATION = (0.0, 0.0, 0.0, 1.0)
 
 
 class Transform(NamedTuple):
-    """One frame within another.
+    """The pose of one coordinate frame in another.
 
     Attributes:
-        parent: the name of the other frame.
-        child: the name of the frame.
-        translation: its origin, metres.
-        rotation: its axes, a unit quaternion (x, y, z, w).
+        parent: the name of the parent frame.
+        child: the name of the child frame.
+        translation: the origin of the child frame, metres.
+        rotation: the orientation of the child frame, a unit quaternion (x, y, z, w).
     """
 
     parent: str
@@ -46,7 +46,7 @@ class Transform(NamedTuple):
 def skeleton_transforms(
     skeletons: Skeletons, frame_id: str, minimum_confidence: float = 0.0
 ) -> list[Transform]:
-    """Return the frames of all bodies: `body_<number>` and, in it, one for each joint.
+    """Return the frames of all bodies: `body_<number>`, and in it one for each joint.
 
     The body's frame lies midway between the hips, x forward, z towards the head; the joints'
     frames have its axes. The joints of a body whose hips are unknown lie in the camera's frame.
@@ -54,26 +54,26 @@ def skeleton_transforms(
     Args:
         skeletons: the bodies.
         frame_id: the camera's optical frame.
-        minimum_confidence: joints below it are left out, as are those that are NaN.
+        minimum_confidence: joints with less confidence are left out, as are joints with NaN.
     """
     names = names_of(skeletons.joints)
     transforms: list[Transform] = []
     for row, body in enumerate(skeletons.bodies.tolist()):
-        sure = skeletons.confidence[row] >= minimum_confidence
-        positions = np.where(sure[:, None], skeletons.positions[row], np.float32(np.nan))
-        parent, places = frame_id, positions.astype(np.float64)
+        confident = skeletons.confidence[row] >= minimum_confidence
+        positions = np.where(confident[:, None], skeletons.positions[row], np.float32(np.nan))
+        parent, child_positions = frame_id, positions.astype(np.float64)
         frame = body_frame(skeletons.joints, positions)
         if frame is not None:
-            parent, places = f'body_{body}', frame.inside(positions)
+            parent, child_positions = f'body_{body}', frame.inside(positions)
             transforms.append(
                 Transform(
                     frame_id, parent, _numbers(frame.origin), _numbers(quaternion(frame.axes))
                 )
             )
         transforms += [
-            Transform(parent, f'{name}_{body}', _numbers(place), _NO_ROTATION)
-            for name, place in zip(names, places, strict=True)
-            if np.isfinite(place).all()
+            Transform(parent, f'{name}_{body}', _numbers(position), _NO_ROTATION)
+            for name, position in zip(names, child_positions, strict=True)
+            if np.isfinite(position).all()
         ]
     return transforms
 

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How regularly stamps come, and how many are missing between them; no ROS in here."""
+"""Estimates the number of lost frames from the stamps of the others."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -22,41 +22,41 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-# Steps from stamp to stamp are judged by so many at a time, together with those before them.
+# Number of steps between stamps in a block, and number of earlier steps that are kept.
 _BLOCK = 20
 _REMEMBERED = 60
 
-# A stream's rate may change after any so many steps; fewer than this say nothing.
+# Resolution of changes of the rate, steps; also the fewest steps before and after a change.
 _CHANGES = 5
 
-# By so much, in natural logarithms, a change of the rate must explain the steps better.
+# The gain in log-likelihood (natural logarithm) that a change of the rate must bring.
 _CHANGE = 5.0
 
-# Stamps are not taken to be more regular than this share of their mean step.
+# The least standard deviation of the steps, as a fraction of the mean step.
 _LEAST_SPREAD = 0.05
 
-# What the period may be, as shares of the mean step: where 9 of 10 frames are lost, 0.1.
+# Candidate periods as fractions of the mean step; 0.1 if 9 of 10 frames are lost.
 _PERIODS = np.geomspace(0.1, 1.0, 32)
 
-# A pause this long is one: somebody stopped the camera. Nanoseconds.
+# A longer step is a pause of the camera, not a loss. Nanoseconds.
 _PAUSE = 2_000_000_000
 
 _Steps = npt.NDArray[np.float64]
 
 
 class FrameLoss:
-    """Finds the period of a stream from its stamps, and counts the frames that must be missing.
+    """Finds the period of a stream from its stamps, and counts the missing frames.
 
-    Two explanations of the steps compete, by their likelihood: stamps that jitter about an even
-    pace, where short steps make up for long ones and none is missing; and steps of whole periods,
-    those of more than one with frames missing.
+    Two models of the steps are compared by their likelihood: stamps that jitter around a regular
+    grid, where short steps compensate for long ones and no frame is missing; and steps of one or
+    more whole periods, where frames are missing in the longer ones.
 
     Attributes:
-        missing: how many frames are missing.
+        missing: the number of missing frames.
     """
 
     def __init__(self) -> None:
-        """Start with nothing."""
+        """Start with no stamps."""
         self.missing = 0
         self._last: int | None = None
         self._steps: deque[int] = deque(maxlen=_REMEMBERED)
@@ -64,7 +64,7 @@ class FrameLoss:
         self._surplus = 0.0
 
     def add(self, stamp: int) -> None:
-        """Take the next stamp, nanoseconds, newer than all before."""
+        """Add the next stamp, nanoseconds; it must be newer than all earlier ones."""
         if self._last is not None and stamp - self._last < _PAUSE:
             self._steps.append(stamp - self._last)
             self._new += 1
@@ -74,13 +74,13 @@ class FrameLoss:
             self._new = 0
 
     def restart(self) -> None:
-        """Forget the stamps, for the next one does not follow them."""
+        """Forget the stamps, because the next one does not follow them."""
         self._last = None
         self._forget_until(len(self._steps))
         self._new = 0
 
     def _count(self) -> None:
-        """Count what is missing in the newest steps."""
+        """Count the missing frames in the newest steps."""
         change = _newest_change(self._steps)
         self._forget_until(change)
         new = np.array(self._steps)[-_BLOCK:]
@@ -101,11 +101,11 @@ class FrameLoss:
 
 
 class _Explanation(NamedTuple):
-    """What steps are taken for.
+    """A model of the steps.
 
     Attributes:
-        cost: the negative logarithm of their likelihood, but for a constant a step.
-        period: nanoseconds from frame to frame; None where no frame is missing.
+        cost: the negative log-likelihood of the steps, up to a constant for each step.
+        period: nanoseconds from frame to frame; None if no frame is missing.
     """
 
     cost: float
@@ -113,7 +113,7 @@ class _Explanation(NamedTuple):
 
 
 def _newest_change(steps: Sequence[int]) -> int:
-    """Return the index of the step at which the rate changed last; 0 if it did not."""
+    """Return the index of the step at which the rate changed last, 0 if it did not change."""
     values = np.array(steps, float)
     costs = {0: _explain(values).cost}
     earliest = max(len(values) - 2 * _BLOCK, _CHANGES)
@@ -123,7 +123,7 @@ def _newest_change(steps: Sequence[int]) -> int:
 
 
 def _explain(steps: _Steps) -> _Explanation:
-    """Return the likelier explanation of steps, nanoseconds."""
+    """Return the more likely model of `steps`, nanoseconds."""
     mean = float(steps.mean())
     relative = steps / mean
     jitter = len(steps) * np.log(max(_deviation_from_even(relative), _LEAST_SPREAD))
@@ -135,7 +135,7 @@ def _explain(steps: _Steps) -> _Explanation:
 
 
 def _deviation_from_even(steps: _Steps) -> float:
-    """Return the standard deviation of stamps from an even pace, in mean steps."""
+    """Return the standard deviation of the stamps from a regular grid, in mean steps."""
     stamps = np.concatenate(([0.0], np.cumsum(steps)))
     stamps -= stamps.mean()
     numbers = np.arange(len(stamps)) - len(steps) / 2
@@ -144,10 +144,10 @@ def _deviation_from_even(steps: _Steps) -> float:
 
 
 def _whole_periods(steps: _Steps) -> tuple[float, float | None]:
-    """Return the cost of steps as whole periods, and the period, None if all are of one.
+    """Return the cost of steps of whole periods, and the period, None if all are of one period.
 
-    Numbers of periods are geometrically distributed, as they are where each frame is lost with
-    the same probability, and a normal deviation comes on top.
+    The number of periods in a step has a geometric distribution, because each frame is lost with
+    the same probability; the deviation from it has a normal distribution.
     """
     periods = _PERIODS[:, None]
     counts = np.maximum(np.rint(steps / periods), 1)

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Depth image and mask of the same moment, found by their stamps in bounded memory."""
+"""Pairs depth images and masks by stamp in bounded memory."""
 
 from bisect import bisect_left
 from collections import OrderedDict
@@ -24,38 +24,39 @@ DepthItem = TypeVar('DepthItem')
 MaskItem = TypeVar('MaskItem')
 Item = TypeVar('Item')
 
-# No stamp is as old, nanoseconds.
+# Older than any stamp, nanoseconds.
 _BEFORE_ALL = -(1 << 63)
 
 
 class Pairing(Generic[DepthItem, MaskItem]):
-    """Joins two streams by stamp. The items may be anything; they are only handed through.
+    """Pairs the items of two streams by stamp. The items may be of any type.
 
-    Equal stamps come first. A pair whose stamps differ, within the slop, is made at once as long
-    as no two stamps have ever been equal: then the streams are stamped by different clocks, and
-    waiting would only make the answer older. Once stamps have been equal, such a pair waits until
-    both streams have gone past it, for an equal stamp may still come.
+    Items with equal stamps are always paired. Items whose stamps differ by at most the slop are
+    paired at once if no two stamps have been equal yet: the streams probably use different
+    clocks, and waiting would only add latency. After the first equal stamps, such items wait
+    until both streams have newer items, because an item with an equal stamp may still come.
 
-    What finds no partner before `capacity` newer items of its kind have come is dropped.
+    An item without partner is dropped when `capacity` newer items of its kind have come.
 
     Attributes:
-        slop_ns: how far apart, in nanoseconds, the stamps of a pair may be; may be changed.
-        dropped_depth: depth images that found no mask.
-        dropped_mask: masks that found no depth image.
-        duplicates: items left out because their stamp had been there already.
-        late: items left out because a newer pair had been made already; only with `in_order`.
+        slop_ns: the largest difference between the stamps of a pair, nanoseconds; can be changed.
+        dropped_depth: the number of depth images without a mask.
+        dropped_mask: the number of masks without a depth image.
+        duplicates: the number of items left out because they repeat a stamp.
+        late: the number of items left out because they are older than a pair; only with
+            `in_order`.
     """
 
     def __init__(self, *, slop_ns: int = 0, capacity: int = 100, in_order: bool = False) -> None:
-        """Make an empty pairing.
+        """Start with no items.
 
         Args:
-            slop_ns: how far apart, in nanoseconds, the stamps of a pair may be; 0 asks for equal
-                stamps. It should stay below half the time between two images, or an image may
-                find its neighbour's mask.
+            slop_ns: the largest difference between the stamps of a pair, nanoseconds; 0 for equal
+                stamps. It should be less than half the time between two images; otherwise an
+                image may get the mask of its neighbour.
             capacity: how many items of each kind may wait for a partner.
-            in_order: whether pairs come only with increasing stamps, so that what is older than
-                the last pair is left out at once.
+            in_order: True for pairs with increasing stamps: an item that is older than the last
+                pair is left out.
         """
         self.slop_ns = slop_ns
         self._capacity = capacity
@@ -74,20 +75,20 @@ class Pairing(Generic[DepthItem, MaskItem]):
 
     @property
     def waiting_depth(self) -> int:
-        """How many depth images have no mask yet."""
+        """The number of depth images that wait for a mask."""
         return len(self._depth)
 
     @property
     def waiting_mask(self) -> int:
-        """How many masks have no depth image yet."""
+        """The number of masks that wait for a depth image."""
         return len(self._mask)
 
     def add_depth(self, stamp: int, item: DepthItem) -> list[tuple[int, DepthItem, MaskItem]]:
-        """Take a depth image; return the pairs (stamp, depth, mask) that are now complete.
+        """Add a depth image; return the pairs (stamp, depth, mask) that are now complete.
 
         Args:
             stamp: nanoseconds.
-            item: whatever stands for the image.
+            item: the image.
         """
         if not self._admit(stamp, self._depth, self._paired_depth, self._last_depth):
             return []
@@ -98,11 +99,11 @@ class Pairing(Generic[DepthItem, MaskItem]):
         return pairs
 
     def add_mask(self, stamp: int, item: MaskItem) -> list[tuple[int, DepthItem, MaskItem]]:
-        """Take a mask; return the pairs (the depth's stamp, depth, mask) that are now complete.
+        """Add a mask; return the pairs (stamp of the depth image, depth, mask) now complete.
 
         Args:
             stamp: nanoseconds.
-            item: whatever stands for the mask.
+            item: the mask.
         """
         if not self._admit(stamp, self._mask, self._paired_mask, self._last_mask):
             return []
@@ -113,7 +114,7 @@ class Pairing(Generic[DepthItem, MaskItem]):
         return pairs
 
     def finish(self) -> list[tuple[int, DepthItem, MaskItem]]:
-        """Return the pairs that still waited for better ones, and count the rest as dropped."""
+        """Return the pairs within the slop that still waited, and count the rest as dropped."""
         pairs = self._near_pairs(sorted(self._depth), sorted(self._mask))
         self.dropped_depth += len(self._depth)
         self.dropped_mask += len(self._mask)
@@ -137,7 +138,7 @@ class Pairing(Generic[DepthItem, MaskItem]):
         return True
 
     def _pairs_with(self, stamp: int) -> list[tuple[int, DepthItem, MaskItem]]:
-        """Return the pairs that are complete now that an item of `stamp` has come."""
+        """Return the pairs that an item with `stamp` completes."""
         if stamp in self._depth and stamp in self._mask:
             self._equal_stamps_seen = True
             return [self._take(stamp, stamp)]
@@ -164,7 +165,7 @@ class Pairing(Generic[DepthItem, MaskItem]):
 
     def _take(self, depth_stamp: int, mask_stamp: int) -> tuple[int, DepthItem, MaskItem]:
         pair = depth_stamp, self._depth.pop(depth_stamp), self._mask.pop(mask_stamp)
-        # Kept for a while, so that a repeated image does not wait for ever.
+        # Kept so that a repeated image is recognised.
         self._paired_depth[depth_stamp] = None
         self._paired_mask[mask_stamp] = None
         drop_oldest(self._paired_depth, self._capacity)
@@ -177,13 +178,13 @@ class Pairing(Generic[DepthItem, MaskItem]):
 
 
 def _nearest(stamps: Sequence[int], stamp: int) -> int:
-    """Return the one of `stamps`, sorted, that is nearest; the older one of two as near."""
-    place = bisect_left(stamps, stamp)
-    return min(stamps[max(place - 1, 0) : place + 1], key=lambda other: abs(other - stamp))
+    """Return the nearest of `stamps`, which are sorted; the older of two equally near ones."""
+    index = bisect_left(stamps, stamp)
+    return min(stamps[max(index - 1, 0) : index + 1], key=lambda other: abs(other - stamp))
 
 
 def _drop_older(items: OrderedDict[int, Item], stamp: int) -> int:
-    """Remove those of `items` that are older than `stamp`; return how many."""
+    """Remove the items older than `stamp`; return how many were removed."""
     older = [each for each in items if each < stamp]
     for each in older:
         del items[each]
@@ -191,7 +192,7 @@ def _drop_older(items: OrderedDict[int, Item], stamp: int) -> int:
 
 
 def drop_oldest(items: OrderedDict[int, Item], capacity: int) -> int:
-    """Remove the oldest of `items` until they fit; return how many were removed."""
+    """Remove the oldest items until `capacity` are left; return how many were removed."""
     removed = 0
     while len(items) > capacity:
         items.popitem(last=False)

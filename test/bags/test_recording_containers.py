@@ -270,10 +270,8 @@ def test_other_serialisations_are_left_out_with_a_warning(tmp_path, messages):
     reader = read_messages(path)
     assert list(reader) == []
     assert reader.topics == {}
-    assert (
-        'the topic /depth/image was left out: it is serialised as protobuf' in reader.warnings[0]
-    )
-    with pytest.raises(InputError, match='serialised as protobuf'):
+    assert 'the topic /depth/image was left out: its encoding is protobuf' in reader.warnings[0]
+    with pytest.raises(InputError, match='its encoding is protobuf'):
         open_recording(path)
 
 

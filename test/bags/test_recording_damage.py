@@ -149,7 +149,7 @@ def test_channels_that_were_in_a_rotten_chunk_are_found_in_the_index(
     path.write_bytes(damaged[: len(damaged) * 2 // 3])
     reader = read_messages(path)
     assert {message.topic for message in reader} != {message.topic for message in messages}
-    assert any('topics stood in a damaged place' in warning for warning in reader.warnings)
+    assert any('records of their topics are damaged' in warning for warning in reader.warnings)
 
 
 def test_a_wrong_checksum_of_a_file_without_chunks(tmp_path, messages):

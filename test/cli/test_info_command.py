@@ -68,7 +68,7 @@ def test_frames_that_cannot_be_used_are_a_warning(tmp_path, simple_frames, capsy
     assert info(tmp_path / 'one.mcap') == 0
     printed = capsys.readouterr().out
     assert 'messages   40' in printed
-    assert 'warning: frames can be read no further' in printed
+    assert 'warning: the reading of frames stopped' in printed
 
 
 def test_an_empty_recording(tmp_path, capsys):

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The files of a recording: MCAP, SQLite, and metadata.yaml."""
+"""Reads and writes the files of a recording: MCAP, SQLite and metadata.yaml."""

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the libraries raise on a damaged file, and how it is said."""
+"""The exceptions that damaged files cause, and their descriptions."""
 
 import sqlite3
 import struct
@@ -25,8 +25,8 @@ from mcap.exceptions import EndOfFile, McapError, RecordLengthLimitExceeded
 from mcap.stream_reader import CRCValidationError
 from rosbags.serde import SerdeError
 
-# mcap, rosbags and lz4 do not keep to exceptions of their own: a damaged file also shows itself
-# as whatever the plain Python below them raises.
+# mcap, rosbags and lz4 do not catch the exceptions that damaged data cause in the Python code
+# below them.
 DAMAGE = (
     McapError,
     SerdeError,
@@ -49,7 +49,7 @@ DAMAGE = (
 
 
 def reason(error: BaseException) -> str:
-    """Return in a few words what `error` means for the file that was being read."""
+    """Return a short description of `error` for the user."""
     if isinstance(error, CRCValidationError):
         return 'a checksum is wrong'
     if isinstance(error, EndOfFile | EOFError | struct.error):

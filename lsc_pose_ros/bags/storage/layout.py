@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which files a recording consists of, and what the folder's metadata.yaml says of them."""
+"""Finds the files of a recording, and reads metadata.yaml."""
 
 import io
 import re
@@ -44,8 +44,8 @@ class Part(NamedTuple):
 
     Attributes:
         path: the file.
-        storage: what is in it, 'mcap' or 'sqlite3'.
-        compressed: whether the whole file is zstd-compressed.
+        storage: 'mcap' or 'sqlite3'.
+        compressed: True if the whole file is compressed with zstd.
     """
 
     path: Path
@@ -58,9 +58,9 @@ class Layout(NamedTuple):
 
     Attributes:
         path: the file or the bag folder.
-        parts: its files, in the order of their recording.
-        topics: what metadata.yaml says of them, None without one.
-        warnings: what is wrong with the folder, a sentence each.
+        parts: the files in the order of recording.
+        topics: the topics according to metadata.yaml, None without metadata.yaml.
+        warnings: a sentence for each problem of the folder.
     """
 
     path: Path
@@ -90,7 +90,7 @@ def find_parts(path: Path) -> Layout:
 
 
 def identify(path: Path) -> Part:
-    """Return what kind of recording file `path` is, by its first bytes.
+    """Return the storage format of the file `path`, according to its first bytes.
 
     Raises:
         InputError: it cannot be read or is no recording.
@@ -119,7 +119,7 @@ def identify(path: Path) -> Part:
 
 @contextmanager
 def open_part(path: Path, *, compressed: bool) -> Iterator[IO[bytes]]:
-    """Open a file of a recording for reading, decompressing it as it is read."""
+    """Open a file of a recording; a compressed file is decompressed while it is read."""
     with path.open('rb') as stream:
         if not compressed:
             yield stream
@@ -131,7 +131,7 @@ def open_part(path: Path, *, compressed: bool) -> Iterator[IO[bytes]]:
 
 
 def _read_metadata(path: Path, warnings: list[str]) -> dict[str, object]:
-    """Return the contents of metadata.yaml, empty where there is none that can be used."""
+    """Return the contents of metadata.yaml, empty if it is missing or damaged."""
     if not path.exists():
         return {}
     try:
@@ -139,17 +139,17 @@ def _read_metadata(path: Path, warnings: list[str]) -> dict[str, object]:
         information = contents['rosbag2_bagfile_information']
         names = [str(name) for name in information['relative_file_paths']]
     except (*DAMAGE, RecursionError) as error:
-        warnings.append(f'{path} is damaged ({reason(error)}); the folder was read without it')
+        warnings.append(f'{path} is damaged ({reason(error)}); it was ignored')
         return {}
     return {**information, 'relative_file_paths': names}
 
 
 def _part_paths(folder: Path, metadata: dict[str, object]) -> list[Path]:
-    """Return the recording's files in order: as the metadata list them, else by their number."""
+    """Return the files in the order of the metadata, or else by their numbers."""
     names = cast('list[str]', metadata.get('relative_file_paths', []))
     if names:
-        # Old recordings give the folder's own name too, and those of a recorder that was killed
-        # while it compressed lack the .zstd.
+        # Old recordings contain the name of the folder. The suffix .zstd is missing if it
+        # was killed during compression.
         listed = [folder / Path(name).name for name in names]
         return [_with_compression(path) for path in listed]
     found = [path for path in folder.iterdir() if _PART_NAME.search(path.name)]
@@ -162,7 +162,7 @@ def _with_compression(path: Path) -> Path:
 
 
 def _identify_all(paths: list[Path], warnings: list[str]) -> list[Part]:
-    """Return the files that can be read; a lost one among several is worth only a warning."""
+    """Return the readable files; warn of the others."""
     parts = []
     for path in paths:
         try:

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One MCAP file, read as a stream: a damaged one gives all that comes before the damage."""
+"""Reads one MCAP file as a stream; a damaged file gives the messages before the damage."""
 
 import os
 from collections.abc import Iterator
@@ -34,22 +34,22 @@ from lsc_pose_ros.bags.storage.serialized_messages import (
     TopicSummary,
 )
 
-# Of a compressed file we do not know how long it will be; no sane record is longer than this.
+# The longest record of a compressed file, whose decompressed size is unknown.
 _LONGEST_RECORD = 1 << 31
 _COMPRESSIONS = ('', 'lz4', 'zstd')
 _UNKNOWN = 'the unknown compression {}'
-_SERIALISATION = 'cdr'
+_SERIALIZATION = 'cdr'
 
 
 class McapPart:
     """One MCAP file."""
 
     def __init__(self, part: Part) -> None:
-        """Name the file; it is opened when it is read."""
+        """Store the file; `topics` and `messages` open it."""
         self._part = part
 
     def topics(self) -> dict[str, TopicSummary]:
-        """Return the file's topics: from its summary, or, where it has none, by reading it."""
+        """Return the topics, from the summary if there is one, else by reading the file."""
         summary = self._summary()
         if summary is None or not summary.channels:
             return self._scan()
@@ -61,10 +61,10 @@ class McapPart:
         return topics
 
     def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
-        """Yield the file's messages in its own order, up to the damage where there is any.
+        """Yield the messages in the order of the file, up to the first damage.
 
         Args:
-            warnings: gets a sentence for each thing that is wrong.
+            warnings: a sentence for each problem is appended.
         """
         with open_part(self._part.path, compressed=self._part.compressed) as stream:
             yield from self._pass(stream, warnings).messages()
@@ -103,14 +103,14 @@ class McapPart:
 
 
 class _Pass:
-    """One reading of a file, from its start."""
+    """One pass through a file."""
 
     def __init__(self, name: str, stream: IO[bytes], limit: int, warnings: list[str]) -> None:
         self._name = name
         self._stream = stream
         self._limit = limit
         self._warnings = warnings
-        self._tally = ReadStatistics()
+        self._statistics = ReadStatistics()
         self._damaged_chunks: list[str] = []
         self._lost = 0
         self._complete = False
@@ -122,12 +122,12 @@ class _Pass:
         for record in self._records():
             message = self._message(record)
             if message is not None:
-                self._tally.add(message)
+                self._statistics.add(message)
                 yield message
         self._warn()
 
     def _records(self) -> Iterator[McapRecord]:
-        """Yield the file's records, those inside the chunks too, up to the end or the damage."""
+        """Yield the records, including those in chunks, up to the end or the damage."""
         records = StreamReader(
             self._stream, emit_chunks=True, validate_crcs=True, record_size_limit=self._limit
         ).records
@@ -150,12 +150,12 @@ class _Pass:
                 raise McapError(_UNKNOWN.format(chunk.compression))
             return breakup_chunk(chunk, validate_crc=True)
         except DAMAGE as error:
-            # The next chunk's place is known all the same: only this one is lost.
+            # Only this chunk is lost, because the position of the next one is known.
             self._damaged_chunks.append(reason(error))
             return []
 
     def _message(self, record: McapRecord) -> SerializedMessage | None:
-        """Return the message that `record` is, or keep what it says of the channels."""
+        """Return the message in `record`; store a schema or channel."""
         if isinstance(record, Schema):
             self.schemas[record.id] = record
         elif isinstance(record, Channel):
@@ -166,7 +166,7 @@ class _Pass:
             channel = self.channels.get(record.channel_id)
             if channel is None:
                 self._lost += 1
-            elif channel.message_encoding != _SERIALISATION:
+            elif channel.message_encoding != _SERIALIZATION:
                 self._foreign[channel.topic] = channel.message_encoding
             else:
                 return SerializedMessage(
@@ -178,7 +178,7 @@ class _Pass:
         if self._complete:
             text = f'the index at its end is damaged ({reason(error)}); all messages were read'
         else:
-            text = f'damaged ({reason(error)}); read up to there: {self._tally}'
+            text = f'damaged ({reason(error)}); read up to there: {self._statistics}'
         self._warnings.append(f'{self._name}: {text}')
 
     def _warn(self) -> None:
@@ -189,13 +189,13 @@ class _Pass:
             )
         if self._lost:
             self._warnings.append(
-                f'{self._name}: {self._lost} messages were left out because their topics stood '
-                'in a damaged place'
+                f'{self._name}: {self._lost} messages were left out because the records of '
+                'their topics are damaged'
             )
         for topic, encoding in self._foreign.items():
             self._warnings.append(
-                f'{self._name}: the topic {topic} was left out: it is serialised as {encoding}, '
-                f'not as {_SERIALISATION}'
+                f'{self._name}: the topic {topic} was left out: its encoding is {encoding}, '
+                f'not {_SERIALIZATION}'
             )
 
 
@@ -207,8 +207,8 @@ def _type_name(channel: Channel, schemas: dict[int, Schema]) -> str:
 def _add_topic(
     topics: dict[str, TopicSummary], channel: Channel, type_name: str, count: int | None
 ) -> None:
-    """Add a channel to its topic; a topic has several where several publishers were recorded."""
-    if channel.message_encoding != _SERIALISATION:
+    """Add a channel to its topic; a topic has one channel for each recorded publisher."""
+    if channel.message_encoding != _SERIALIZATION:
         return
     known = topics.get(channel.topic)
     if known is not None and known.count is not None and count is not None:

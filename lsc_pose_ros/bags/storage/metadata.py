@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What rosbag2 wants to know of a recording: metadata.yaml, version 9, and the QoS in it."""
+"""Formats metadata.yaml (version 9) and QoS profiles as rosbag2 reads them."""
 
 from typing import NamedTuple
 
@@ -28,7 +28,7 @@ DISTRO = 'jazzy'
 
 
 class WrittenTopic(NamedTuple):
-    """A topic with what was written of it."""
+    """A topic of a written recording, with its number of messages."""
 
     name: str
     type_name: str
@@ -37,7 +37,7 @@ class WrittenTopic(NamedTuple):
 
 
 class RecordingContents(NamedTuple):
-    """What a recording's one file holds; times in nanoseconds, None without a message."""
+    """The contents of a recording of one file; times in nanoseconds, None without messages."""
 
     file_name: str
     topics: list[WrittenTopic]
@@ -46,7 +46,7 @@ class RecordingContents(NamedTuple):
 
 
 def qos_profile() -> dict[str, object]:
-    """Return the QoS that we offer on every topic: reliable, the last ten, nothing kept."""
+    """Return the QoS profile of every topic: reliable, depth 10, volatile."""
     return {
         'history': 'keep_last',
         'depth': 10,
@@ -61,7 +61,7 @@ def qos_profile() -> dict[str, object]:
 
 
 def qos_text() -> str:
-    """Return the offered QoS profiles of a channel, YAML text as rosbag2 stores it."""
+    """Return the QoS profiles of a channel, as YAML text of rosbag2."""
     return _dump([qos_profile()])
 
 
@@ -112,7 +112,7 @@ def _topic(topic: WrittenTopic) -> dict[str, object]:
 
 
 class _Dumper(yaml.SafeDumper):
-    """Writes every mapping out; rosbag2's reader need not know YAML's references."""
+    """Writes no YAML aliases, so that any YAML reader can read the text."""
 
     def ignore_aliases(self, data: object) -> bool:
         """Return True for any `data`."""

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""All messages of a recording, whatever its container, in memory that does not grow."""
+"""Reads the messages of a recording of any storage format in bounded memory."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -33,17 +33,17 @@ from lsc_pose_ros.bags.storage.sqlite_file import SqlitePart
 
 
 class RecordingReader:
-    """A recording as its serialised messages; each iteration starts anew.
+    """The serialized messages of a recording; each iteration reads it again.
 
     Attributes:
         path: the file or the bag folder.
-        warnings: a sentence for each thing that is wrong with the recording; the list grows
-            while it is read and starts anew with each iteration.
-        statistics: what the running or last iteration has read.
+        warnings: a sentence for each problem of the recording. The list grows during an iteration
+            and is cleared by the next one.
+        statistics: what the current or last iteration has read.
     """
 
     def __init__(self, path: Path | str) -> None:
-        """Find the recording's files.
+        """Find the files of the recording.
 
         Args:
             path: an .mcap or .db3 file, or a bag folder.
@@ -59,29 +59,29 @@ class RecordingReader:
 
     @property
     def topics(self) -> dict[str, TopicSummary]:
-        """The topics by name, as metadata.yaml or else the files themselves list them.
+        """The topics by name, from metadata.yaml or else from the files.
 
         Raises:
             InputError: a file's list of topics cannot be read.
         """
         if self._topics is None:
-            self._topics = self._layout.topics or self._gather_topics()
+            self._topics = self._layout.topics or self._topics_of_files()
         return self._topics
 
     @property
     def size(self) -> int:
-        """The bytes that the recording's files take on disk."""
+        """The size of the files, bytes."""
         return sum(part.path.stat().st_size for part in self._layout.parts)
 
     @property
     def files(self) -> list[Path]:
-        """The recording's files, metadata.yaml among them where there is one."""
+        """The files of the recording, including metadata.yaml if it exists."""
         metadata = self.path / METADATA_NAME
         files = [part.path for part in self._layout.parts]
         return [*files, metadata] if metadata.exists() else files
 
     def __iter__(self) -> Iterator[SerializedMessage]:
-        """Yield the messages in the order of the file."""
+        """Yield the messages in the order of the files."""
         self.warnings[:] = self._layout.warnings
         self.statistics = ReadStatistics()
         damaged = 0
@@ -94,9 +94,9 @@ class RecordingReader:
                     self.statistics.add(whole)
                     yield whole
         if damaged:
-            self.warnings.append(f'{damaged} messages could not be decompressed; left out')
+            self.warnings.append(f'{damaged} messages were left out: they cannot be decompressed')
 
-    def _gather_topics(self) -> dict[str, TopicSummary]:
+    def _topics_of_files(self) -> dict[str, TopicSummary]:
         topics: dict[str, TopicSummary] = {}
         for part in self._layout.parts:
             for name, topic in _open(part).topics().items():
@@ -110,7 +110,7 @@ class RecordingReader:
 
 
 def read_messages(path: Path | str) -> RecordingReader:
-    """Open a recording for reading its serialised messages.
+    """Open a recording for reading its serialized messages.
 
     Args:
         path: an .mcap or .db3 file (compressed as .zstd or not), or a bag folder with or without
@@ -127,10 +127,10 @@ def _open(part: Part) -> McapPart | SqlitePart:
 
 
 def _decompressed(message: SerializedMessage) -> SerializedMessage | None:
-    """Undo rosbag2's compression of single messages; None where the data are damaged.
+    """Return a message without rosbag2's message compression, None if the data are damaged.
 
-    A serialised message starts with 0 (the high byte of CDR's representation), a compressed one
-    with zstd's mark: the data tell better than the metadata, which a lone file may lack.
+    A serialized message starts with 0 (the high byte of the CDR representation), a compressed one
+    with the magic number of zstd. The metadata are not used, because a single file may have none.
     """
     if not message.data.startswith(ZSTD_MAGIC):
         return message

@@ -13,20 +13,20 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What every container of a recording comes down to: topics and serialised messages."""
+"""Topics and serialized messages, as all storage formats contain them."""
 
 from dataclasses import dataclass
 from typing import NamedTuple
 
 
 class SerializedMessage(NamedTuple):
-    """One message as it was recorded.
+    """One recorded message.
 
     Attributes:
-        topic: its name.
+        topic: the name of the topic.
         type_name: for example 'sensor_msgs/msg/Image'.
-        log_time: when it was recorded, nanoseconds.
-        data: the serialised message (CDR), decompressed.
+        log_time: the time of recording, nanoseconds.
+        data: the serialized message (CDR), decompressed.
     """
 
     topic: str
@@ -37,12 +37,12 @@ class SerializedMessage(NamedTuple):
 
 @dataclass(frozen=True)
 class TopicSummary:
-    """What a recording says of a topic.
+    """A topic of a recording.
 
     Attributes:
         type_name: for example 'sensor_msgs/msg/Image'.
-        count: how many messages it has, None where the recording does not say.
-        qos: the publishers' offered QoS profiles as rosbag2 writes them, YAML text.
+        count: the number of messages, None if it is unknown.
+        qos: the QoS profiles that the publishers offered, as YAML text of rosbag2.
     """
 
     type_name: str
@@ -51,17 +51,17 @@ class TopicSummary:
 
 
 class ReadStatistics:
-    """What has been read of a recording so far.
+    """Counts of the messages that have been read.
 
     Attributes:
-        counts: messages of each topic.
-        size: bytes of all messages.
+        counts: the number of messages of each topic.
+        size: the bytes of all messages.
         start: the earliest log time, nanoseconds; 0 before the first message.
-        end: the latest.
+        end: the latest log time, nanoseconds.
     """
 
     def __init__(self) -> None:
-        """Start from nothing."""
+        """Start with no messages."""
         self.counts: dict[str, int] = {}
         self.size = 0
         self.start = 0
@@ -69,12 +69,12 @@ class ReadStatistics:
 
     @property
     def messages(self) -> int:
-        """How many messages have been read."""
+        """The number of messages."""
         return sum(self.counts.values())
 
     @property
     def seconds(self) -> float:
-        """The time between the earliest and the latest message."""
+        """The time from the earliest to the latest message, seconds."""
         return (self.end - self.start) * 1e-9
 
     def add(self, message: SerializedMessage) -> None:
@@ -86,5 +86,5 @@ class ReadStatistics:
         self.end = message.log_time if first else max(self.end, message.log_time)
 
     def __str__(self) -> str:
-        """Say how much was read."""
+        """Return a summary."""
         return f'{self.messages} messages, {self.size * 1e-6:.1f} MB, {self.seconds:.1f} s'

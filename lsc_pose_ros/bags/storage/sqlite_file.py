@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One SQLite file of rosbag2 (.db3), of any of its schema versions."""
+"""Reads one SQLite file of rosbag2 (.db3) of any schema version."""
 
 import shutil
 import sqlite3
@@ -32,18 +32,18 @@ from lsc_pose_ros.bags.storage.serialized_messages import (
 )
 from lsc_pose_ros.errors import InputError
 
-_SERIALISATION = 'cdr'
+_SERIALIZATION = 'cdr'
 
 
 class SqlitePart:
     """One SQLite file."""
 
     def __init__(self, part: Part) -> None:
-        """Name the file; it is opened when it is read."""
+        """Store the file; `topics` and `messages` open it."""
         self._part = part
 
     def topics(self) -> dict[str, TopicSummary]:
-        """Return the file's topics.
+        """Return the topics.
 
         Raises:
             InputError: its tables cannot be read.
@@ -61,10 +61,10 @@ class SqlitePart:
         }
 
     def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
-        """Yield the file's messages in its own order, up to the damage where there is any.
+        """Yield the messages in the order of the file, up to the first damage.
 
         Args:
-            warnings: gets a sentence for each thing that is wrong.
+            warnings: a sentence for each problem is appended.
         """
         statistics = ReadStatistics()
         unusable = 0
@@ -81,12 +81,12 @@ class SqlitePart:
     def _rows(
         self, warnings: list[str], statistics: ReadStatistics
     ) -> Iterator[SerializedMessage | None]:
-        """Yield the table's rows, None for one that is damaged."""
+        """Yield the messages of the table, None for a damaged one."""
         try:
             with self._database() as database:
                 topics = _topic_rows(database)
-                # In the order of recording: that of time would need an index that a recorder
-                # which was killed has not made, or memory for all messages.
+                # In the order of recording: the order of time needs an index, which a killed
+                # recorder has not written, or memory for all messages.
                 for row in database.execute(
                     'SELECT topic_id, timestamp, data FROM messages ORDER BY id'
                 ):
@@ -100,7 +100,7 @@ class SqlitePart:
     @contextmanager
     def _database(self) -> Iterator[sqlite3.Connection]:
         with self._plain_file() as path:
-            # A recorder that was killed leaves a journal, which SQLite must be able to take in.
+            # A killed recorder leaves a journal, which SQLite must read.
             journal = path.with_name(f'{path.name}-wal')
             mode = 'mode=ro' if journal.exists() else 'immutable=1'
             with closing(
@@ -110,13 +110,13 @@ class SqlitePart:
 
     @contextmanager
     def _plain_file(self) -> Iterator[Path]:
-        """Give the file itself, or, where it is compressed, a decompressed copy of it."""
+        """Return the file, or a decompressed copy of a compressed file."""
         if not self._part.compressed:
             yield self._part.path
             return
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / 'recording.db3'
-            # What was decompressed before the damage is of use.
+            # The data before a damage can be used.
             with (
                 suppress(*DAMAGE),
                 open_part(self._part.path, compressed=True) as source,
@@ -127,12 +127,12 @@ class SqlitePart:
 
 
 def _topic_rows(database: sqlite3.Connection) -> dict[int, tuple[str, str, str]]:
-    """Return the name, type and QoS of each topic that is serialised as CDR, by its number."""
+    """Return name, type and QoS of each topic with CDR messages, by its number."""
     columns = {str(row[1]) for row in database.execute('PRAGMA table_info(topics)')}
     qos = 'offered_qos_profiles' if 'offered_qos_profiles' in columns else "''"
     rows = database.execute(
         f'SELECT id, name, type, {qos} FROM topics WHERE serialization_format = ?',  # noqa: S608
-        (_SERIALISATION,),
+        (_SERIALIZATION,),
     )
     return {int(row[0]): (str(row[1]), str(row[2]), str(row[3])) for row in rows}
 

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Writing recordings that the real rosbag2 plays: MCAP, alone or in a bag folder."""
+"""Writes recordings that rosbag2 can play: an MCAP file, alone or in a bag folder."""
 
 import os
 import shutil
@@ -54,14 +54,14 @@ _LIBRARY = 'lsc_pose_ros'
 
 
 class RecordingWriter:
-    """A recording being written; a context manager.
+    """Writes a recording; a context manager.
 
-    It is written beside its place and moved there when all went well, else removed. The same
-    messages give the same bytes.
+    The recording is written under a temporary name, and renamed at the end or removed after an
+    error. Equal messages give equal files.
     """
 
     def __init__(self, path: Path | str) -> None:
-        """Name the recording.
+        """Check the path; nothing is written before the context is entered.
 
         Args:
             path: with the suffix .mcap one file, which is replaced if it exists; without a
@@ -84,14 +84,14 @@ class RecordingWriter:
 
     @property
     def path(self) -> Path:
-        """Where the recording will be."""
+        """The path of the finished recording."""
         return self._path
 
     def __enter__(self) -> 'RecordingWriter':  # noqa: PYI034 - typing.Self is of Python 3.11
-        """Begin to write.
+        """Create the file.
 
         Raises:
-            InputError: the place cannot be written to.
+            InputError: the path cannot be written to.
         """
         try:
             if self._folder:
@@ -114,7 +114,7 @@ class RecordingWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        """Finish the recording and move it to its place, or remove it after an error.
+        """Finish and rename the recording, or remove it after an error.
 
         Raises:
             InputError: it cannot be finished, for example because the disk is full.
@@ -128,12 +128,12 @@ class RecordingWriter:
             self._remove_partial()
 
     def write(self, topic: str, type_name: str, stamp_ns: int, data: bytes) -> None:
-        """Write one serialised message.
+        """Write one serialized message.
 
         Args:
-            topic: its name.
-            type_name: its type, for example 'sensor_msgs/msg/Image'.
-            stamp_ns: when, nanoseconds.
+            topic: the name of the topic.
+            type_name: the message type, for example 'sensor_msgs/msg/Image'.
+            stamp_ns: the log time, nanoseconds.
             data: the message as CDR.
 
         Raises:
@@ -154,11 +154,11 @@ class RecordingWriter:
     def write_frame(
         self, frame: Frame, topics: Topics = DEFAULT_TOPICS, *, mask_background: int = 0
     ) -> None:
-        """Write a frame: depth image (16UC1), camera info, mask, and truth where it is known.
+        """Write a frame: depth image (16UC1), camera info, mask, and ground truth if it has any.
 
         Args:
-            frame: what to write.
-            topics: the topics' names; one that is '' is not written.
+            frame: the frame.
+            topics: the names of the topics; a topic that is '' is not written.
             mask_background: the mask's pixel value for no body.
 
         Raises:
@@ -181,10 +181,10 @@ class RecordingWriter:
         """Write skeletons as sensor_msgs/PointCloud2.
 
         Args:
-            topic: its name.
+            topic: the name of the topic.
             stamp: the depth image's, nanoseconds.
             frame_id: the camera's optical frame.
-            skeletons: what to write.
+            skeletons: the skeletons.
         """
         self.write(topic, POINT_CLOUD, stamp, skeletons_message(stamp, frame_id, skeletons))
 
@@ -194,10 +194,10 @@ class RecordingWriter:
         """Write shapes as visualization_msgs/MarkerArray.
 
         Args:
-            topic: its name.
+            topic: the name of the topic.
             stamp: the depth image's, nanoseconds.
             frame_id: the camera's optical frame.
-            markers: what to write.
+            markers: the shapes.
         """
         self.write(topic, MARKER_ARRAY, stamp, markers_message(stamp, frame_id, markers))
 
@@ -235,13 +235,13 @@ class RecordingWriter:
             WrittenTopic(name, channel.type_name, type_hash(channel.type_name), channel.count)
             for name, channel in self._channels.items()
         ]
-        # A lone file may be renamed, and two of the same contents shall have the same bytes.
+        # The name of a single file is not stored, so that equal recordings are equal files.
         name = self._file_name if self._folder else f'recording{_SUFFIX}'
         return RecordingContents(name, topics, self._start, self._end)
 
     def _remove_partial(self) -> None:
         if self._stream is not None:
-            # What a full disk would not take cannot be flushed now either.
+            # Closing flushes, which fails again if the disk is full.
             with suppress(OSError):
                 self._stream.close()
         if self._folder:
@@ -271,7 +271,7 @@ class RecordingWriter:
 
 
 class _Channel:
-    """A topic as far as it is written."""
+    """A topic, and the number of its written messages."""
 
     def __init__(self, number: int, type_name: str) -> None:
         self.number = number

@@ -15,8 +15,8 @@
 
 """The transport `compressedDepth` of image_transport: a 12-byte header, then PNG or RVL.
 
-16UC1 is kept as it is. 32FC1 is kept as quantised inverse depth q: depth = a / (q - b), 0 where
-there is none; a and b stand in the header.
+16UC1 is stored unchanged. 32FC1 is stored as quantised inverse depth q, where
+depth = a / (q - b) and q = 0 means no depth; the header holds a and b.
 """
 
 import struct
@@ -40,7 +40,7 @@ DEPTH_QUANTIZATION = 100.0
 
 
 class CompressedFormat(NamedTuple):
-    """What the field `format` of a compressedDepth message says."""
+    """The parts of the field `format` of a compressedDepth message."""
 
     encoding: str
     codec: str
@@ -50,10 +50,10 @@ def parse_format(text: str) -> CompressedFormat:
     """Return the encoding and the codec that a CompressedImage's field `format` names.
 
     Args:
-        text: for example '16UC1; compressedDepth png'. Old publishers name no codec and mean png.
+        text: for example '16UC1; compressedDepth png'; old publishers name no codec, it is png.
 
     Raises:
-        InputError: it is not a format of compressedDepth.
+        InputError: `text` is not a format of compressedDepth.
     """
     encoding, _, transport = (part.strip() for part in text.partition(';'))
     words = transport.split() or ['compressedDepth']
@@ -77,7 +77,7 @@ def decode_compressed_depth(
         format_text: the message's field `format`.
 
     Returns:
-        uint16 millimetres for 16UC1, float32 metres (NaN where there is none) for 32FC1.
+        uint16 millimetres for 16UC1, float32 metres (NaN for no depth) for 32FC1.
 
     Raises:
         InputError: the format is unknown or the data are damaged.

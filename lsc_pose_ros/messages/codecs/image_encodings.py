@@ -13,9 +13,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Image bytes to metres and to body numbers.
+"""Decodes the bytes of uncompressed images into metres and body numbers.
 
-Depth follows REP-118: the encoding decides what a pixel means, never a setting.
+Depth follows REP-118: the encoding alone determines the meaning of a pixel.
 """
 
 from typing import NamedTuple
@@ -30,7 +30,7 @@ METRES_PER_MILLIMETRE = np.float32(0.001)
 
 DEPTH_TYPES: dict[str, np.dtype[np.generic]] = {
     '16UC1': np.dtype('u2'),
-    'mono16': np.dtype('u2'),  # what some drivers call 16UC1
+    'mono16': np.dtype('u2'),  # the name of 16UC1 in some drivers
     '32FC1': np.dtype('f4'),
 }
 MASK_TYPES: dict[str, np.dtype[np.generic]] = {
@@ -43,7 +43,7 @@ MASK_TYPES: dict[str, np.dtype[np.generic]] = {
 
 
 class ImageLayout(NamedTuple):
-    """How the bytes of a sensor_msgs/Image lie: the message's own fields."""
+    """The memory layout of a sensor_msgs/Image: the fields of the message."""
 
     encoding: str
     height: int
@@ -53,11 +53,11 @@ class ImageLayout(NamedTuple):
 
 
 def decode_depth(data: NDArray[np.uint8] | bytes, layout: ImageLayout) -> NDArray[np.float32]:
-    """Return a depth image in metres, shape (H, W), 0 where the sensor saw nothing.
+    """Return a depth image in metres, shape (H, W), 0 for pixels without depth.
 
     Args:
-        data: the image's bytes; they are not copied before the conversion.
-        layout: the message's fields.
+        data: the bytes of the image; they are not copied before the conversion.
+        layout: the layout of the image.
 
     Raises:
         InputError: the encoding is not one of REP-118, or the bytes do not fill the image.
@@ -69,7 +69,7 @@ def decode_depth(data: NDArray[np.uint8] | bytes, layout: ImageLayout) -> NDArra
 def depth_to_metres(pixels: NDArray[np.generic]) -> NDArray[np.float32]:
     """Return pixels in millimetres (integers) or metres (floats), shape (H, W), as valid metres.
 
-    0, NaN, infinity and negative values all mean that the sensor saw nothing, and become 0.
+    0, NaN, infinity and negative values mean no depth and become 0.
     """
     if pixels.dtype.kind == 'u':
         return pixels.astype(np.float32) * METRES_PER_MILLIMETRE
@@ -86,11 +86,11 @@ def decode_mask(
     Args:
         data: the image's bytes.
         layout: the message's fields.
-        background: the pixel value that stands for no body (255 in Azure Kinect's index map).
+        background: the pixel value for no body (255 in the body index map of Azure Kinect).
 
     Raises:
         InputError: the encoding is unknown, the bytes do not fill the image, or a body number
-            does not fit the message's UINT16.
+            does not fit UINT16.
     """
     pixels = view_pixels(data, layout, MASK_TYPES, 'mask')
     return label_pixels(pixels, background)
@@ -131,8 +131,8 @@ def view_pixels(
     Args:
         data: the image's bytes.
         layout: the message's fields.
-        types: the encodings that are understood, with the type of a pixel.
-        what: what the image is, for the error's sentence.
+        types: the known encodings, with the type of a pixel.
+        what: the kind of image, for error messages.
 
     Raises:
         InputError: the encoding is unknown or the bytes do not fill the image.
