@@ -149,22 +149,22 @@ def all_round_people(all_round: SyntheticSettings) -> list[Frame]:
 
 @pytest.fixture(scope='session')
 def body_yaw_model(all_round_people: list[Frame], training: TrainingSettings) -> Model:
-    """A model trained on `all_round_people` that finds where people face."""
+    """A model trained on `all_round_people` that estimates the body yaw."""
     told = training._replace(trees=3, settings=training.settings._replace(body_yaws=8))
     return train(all_round_people, told, {'recordings': 'all round'})
 
 
 @pytest.fixture(scope='session')
 def body_yaw_model_file(body_yaw_model: Model, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The file of `facing_model`; not to be changed."""
-    path = tmp_path_factory.mktemp('model') / 'facing.npz'
+    """The file of `body_yaw_model`; not to be changed."""
+    path = tmp_path_factory.mktemp('model') / 'body_yaw.npz'
     save_model(path, body_yaw_model)
     return path
 
 
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The folder of the models that come with the package, which is empty at first."""
+    """The folder of the models that come with the package, empty at first."""
     folder = tmp_path / 'resources'
     (folder / 'models').mkdir(parents=True)
     for name in ('bodies', 'config'):

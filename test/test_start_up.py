@@ -13,9 +13,9 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Start-up: what is compiled beforehand is all that is needed later.
+"""All kernels are compiled at start-up, and none later.
 
-Each test is a program of its own, since what another test has compiled would hide a gap.
+Each test is a separate process, because kernels that another test compiled would hide a gap.
 """
 
 import json
@@ -38,7 +38,7 @@ import sys
 from numba.core.dispatcher import Dispatcher
 
 def compiled():
-    \"\"\"What is compiled or loaded: the kernels, and the types of their arguments.\"\"\"
+    \"\"\"Return the compiled or loaded kernels with the types of their arguments.\"\"\"
     modules = [module for name, module in sys.modules.items() if name.startswith('lsc_pose_ros')]
     kernels = [each for m in modules for each in vars(m).values() if isinstance(each, Dispatcher)]
     return {f'{k.__module__}.{k.__name__}{types}' for k in kernels for types in k.signatures}
@@ -92,16 +92,17 @@ sent = [message for frame in open_recording(recording) for message in messages(f
 estimator = Estimator(load_model(model), graph=graph)
 warm_up(estimator)
 before = compiled()
-seen = [0, 0, 0]
+bodies_found = [0, 0, 0]
 for depth, mask, camera in sent:
     depth, labels = depth_of(depth), labels_of(mask, 0)
     skeletons = estimator.estimate(depth, labels, camera)
-    seen[np.isfinite(skeletons.positions[:, :, 0]).any(axis=1).sum()] += 1
+    bodies_found[np.isfinite(skeletons.positions[:, :, 0]).any(axis=1).sum()] += 1
 for _ in range(2):
     labels[:] = -1
     estimator.estimate(depth, labels, camera)
     labels[100, 100] = 1
-print(json.dumps({'before': len(before), 'later': sorted(compiled() - before), 'seen': seen}))
+later = sorted(compiled() - before)
+print(json.dumps({'before': len(before), 'later': later, 'bodies': bodies_found}))
 """
 
 ALL = """
@@ -155,7 +156,7 @@ def run(code: str, *words: object) -> list[str]:
 
 @pytest.fixture(scope='module')
 def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A frame of one person and one of two."""
+    """Return a recording of two frames: one person, and two people."""
     path = tmp_path_factory.mktemp('start_up') / 'frames.mcap'
     with RecordingWriter(path) as writer:
         for people in (1, 2):
@@ -169,22 +170,22 @@ def test_no_frame_compiles_anything_after_the_warm_up(
     *, graph: bool, small_model_file: Path, recording: Path
 ) -> None:
     report = json.loads(run(COUNT + LIVE, small_model_file, recording, int(graph))[-1])
-    assert report['seen'] == [0, 6, 6]
+    assert report['bodies'] == [0, 6, 6]
     assert report['before'] >= 10
     assert report['later'] == []
 
 
-def test_a_model_that_finds_body_yaws_is_warmed_up_too(
+def test_a_model_with_body_yaws_is_warmed_up_completely(
     body_yaw_model_file: Path, recording: Path
 ) -> None:
     report = json.loads(run(COUNT + LIVE, body_yaw_model_file, recording, 1)[-1])
-    assert report['seen'] == [0, 6, 6]
+    assert report['bodies'] == [0, 6, 6]
     assert report['later'] == []
 
 
-def test_no_command_compiles_anything_after_all_was_compiled(tmp_path: Path) -> None:
-    said, *_, last = run(COUNT + ALL, tmp_path)
-    assert re.fullmatch(r'all kernels ready in \d+\.\d s \(kept in .*\)', said)
+def test_no_command_compiles_anything_after_compile(tmp_path: Path) -> None:
+    message, *_, last = run(COUNT + ALL, tmp_path)
+    assert re.fullmatch(r'all kernels ready in \d+\.\d s \(kept in .*\)', message)
     report = json.loads(last)
     assert report['before'] >= 15
     assert report['later'] == []

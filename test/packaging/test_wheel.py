@@ -40,9 +40,10 @@ def test_the_wheel_holds_the_package_and_nothing_else(wheel: zipfile.ZipFile) ->
     }
 
 
-def test_the_wheel_holds_no_test_and_no_experiment(wheel: zipfile.ZipFile) -> None:
+def test_the_wheel_holds_no_test_experiment_or_plain_kernel(wheel: zipfile.ZipFile) -> None:
     folders = {part for name in wheel.namelist() for part in Path(name).parent.parts}
-    assert not folders & {'test', 'tests', 'experiments', 'lsc_pose_experiments', 'benchmarks'}
+    others = {'test', 'tests', 'experiments', 'lsc_pose_experiments', 'benchmarks', 'plain'}
+    assert not folders & others
 
 
 def test_the_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile) -> None:
