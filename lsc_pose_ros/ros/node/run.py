@@ -60,6 +60,7 @@ def run_node(words: list[str] | None = None) -> None:
         # The process was told to stop while it used ROS, which then raises errors.
     finally:
         rclpy.try_shutdown()
+        _ignore_signals()
     _exit_despite_threads()
 
 
@@ -87,6 +88,16 @@ def _record_signals() -> list[int]:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda which, _frame: received.append(which))
     return received
+
+
+def _ignore_signals() -> None:
+    """Ignore SIGINT and SIGTERM while the process ends.
+
+    The interpreter replaces other handlers by the default ones when it is finalised, so that one
+    more signal, from an impatient user, would change the exit status.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)
 
 
 def _exit_despite_threads() -> None:
