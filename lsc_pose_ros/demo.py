@@ -15,9 +15,9 @@
 
 """The demonstration: `python -m lsc_pose_ros.demo --directory DIR`.
 
-The live node starts with the model that comes with the package and answers a test recording that
-is played to it over real ROS 2; its answers are checked against the truth. Then a model of one's
-own is trained on synthetic people, and both are measured on the same frames.
+The live node runs with the default model. A test recording is published over ROS 2, and the
+skeletons that the node publishes are compared with the ground truth. Then a second model is
+trained on synthetic people, and both models are evaluated on the same frames.
 """
 
 import argparse
@@ -53,17 +53,17 @@ if TYPE_CHECKING:
 
 TRAINING_FRAMES = 1500
 TEST_FRAMES = 200
-TEST_RATE = 10  # frames a second: a busy computer of two cores keeps up with it
+TEST_RATE = 10  # frames per second; a busy computer with two cores can keep up
 
 MOST_ERROR = 0.08
-LEAST_ANSWERED = 0.95
+LEAST_ESTIMATED = 0.95
 
 _START_TIMEOUT = 120.0
 _END_TIMEOUT = 20.0
 
 
 class Files(NamedTuple):
-    """What the demonstration makes."""
+    """The files that the demonstration writes."""
 
     test: Path
     live: Path
@@ -74,135 +74,144 @@ class Files(NamedTuple):
     scores: Path
 
 
-class Outcome(NamedTuple):
-    """How well the live node did.
+class LiveResult(NamedTuple):
+    """The accuracy of the live node.
 
     Attributes:
-        frames: how many frames were played.
-        answered: in how many of them the node found joints of everybody.
-        mean_error: of all labelled joints that it found, metres.
+        frames: the number of published frames.
+        estimated: the number of frames with joints of each labelled person.
+        mean_error: the mean error of the labelled joints that were estimated, metres.
     """
 
     frames: int
-    answered: int
+    estimated: int
     mean_error: float
 
     @property
     def passed(self) -> bool:
-        """Whether that is good enough."""
-        enough = self.answered >= LEAST_ANSWERED * self.frames
+        """Whether the number of frames and the error are within the limits."""
+        enough = self.estimated >= LEAST_ESTIMATED * self.frames
         return enough and self.mean_error <= MOST_ERROR
 
 
-class Score(NamedTuple):
-    """How good a model is on the test recording, offline.
+class ModelAccuracy(NamedTuple):
+    """The accuracy of a model on the test recording, offline.
 
     Attributes:
         mean_error: metres.
-        share: of the joints within 10 cm.
+        fraction: the fraction of the joints within 10 cm.
     """
 
     mean_error: float
-    share: float
+    fraction: float
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Run the demonstration; return 0 if the live node did well."""
+    """Run the demonstration; return 0 if the live node is accurate enough."""
     parser = argparse.ArgumentParser(prog='python -m lsc_pose_ros.demo', description=__doc__)
     parser.add_argument(
-        '--directory', type=Path, default=Path('demo'), help='where the files go (default: demo)'
+        '--directory',
+        type=Path,
+        default=Path('demo'),
+        help='output folder (default: demo)',
     )
     directory = parser.parse_args(words).directory
     begin = time.monotonic()
     try:
         files = _files(directory)
-        outcome = demonstrate(files)
-        scores = train_beside(files)
+        result = run_live(files)
+        accuracies = compare_models(files)
     except InputError as error:
         sys.stderr.write(f'demo: error: {error}\n')
         return command_line.BAD_INPUT
     except KeyboardInterrupt:
         return command_line.INTERRUPTED
-    _say(summary(outcome, scores, files, time.monotonic() - begin))
-    return 0 if outcome.passed else 1
+    _say(summary(result, accuracies, files, time.monotonic() - begin))
+    return 0 if result.passed else 1
 
 
-def demonstrate(files: Files) -> Outcome:
-    """Make all of `files` and return how well the live node did.
+def run_live(files: Files) -> LiveResult:
+    """Publish a test recording to the live node and return the accuracy of its skeletons.
 
     Raises:
-        InputError: ROS 2 or the model of the package is not there, or the node does not start.
+        InputError: ROS 2 or the default model is not installed, or the node does not start.
     """
-    os.environ.update(isolated_environment())  # before anything of ROS is loaded
+    os.environ.update(isolated_environment())  # before ROS is loaded
     load_with_ros('rclpy')
     default = default_model()
-    # While the node compiles its kernels, it has company.
+    # The node compiles its kernels while the recording is generated.
     with _live_node(files, default):
         _run_step('synth', files.test, '--frames', TEST_FRAMES, '--seed', 2, '--fps', TEST_RATE)
-        answers = _answers(files)
-    write_live(files, answers)
+        estimates = _published_estimates(files)
+    write_live(files, estimates)
     _run_step('view', files.live, '-o', files.picture)
-    return compare(files.live)
+    return live_result(files.live)
 
 
-def train_beside(files: Files) -> dict[str, Score]:
-    """Train a model of one's own, and return how good it and the package's are, by name."""
+def compare_models(files: Files) -> dict[str, ModelAccuracy]:
+    """Train a model; return the accuracy of the default model and of the new one, by name."""
     joints = names_of(load_model(default_model()).joints)
     _run_step('synth', files.training, '--frames', TRAINING_FRAMES, '--seed', 1)
     _run_step('train', files.training, '-o', files.model, '--joints', *joints)
     return {
-        "the package's": _measure(files, default_model()),
-        'the one trained here': _measure(files, files.model),
+        'default model': _evaluate(files, default_model()),
+        'trained model': _evaluate(files, files.model),
     }
 
 
-def write_live(files: Files, answers: Sequence[SerializedMessage]) -> None:
-    """Write the test recording with the node's `answers` put where their frames are."""
-    placed = [answer._replace(log_time=read_skeletons(answer.data).stamp) for answer in answers]
-    placed.sort(key=lambda answer: answer.log_time)
+def write_live(files: Files, estimates: Sequence[SerializedMessage]) -> None:
+    """Write the test recording with the node's `estimates`, each at the time of its frame."""
+    sorted_estimates = sorted(
+        (each._replace(log_time=read_skeletons(each.data).stamp) for each in estimates),
+        key=lambda message: message.log_time,
+    )
     with RecordingWriter(files.live) as writer:
-        for message in heapq.merge(read_messages(files.test), placed, key=lambda m: m.log_time):
+        for message in heapq.merge(
+            read_messages(files.test), sorted_estimates, key=lambda m: m.log_time
+        ):
             writer.write(message.topic, message.type_name, message.log_time, message.data)
 
 
-def compare(recording: Path) -> Outcome:
-    """Return how well the answers in `recording` agree with its truth."""
-    answers: dict[int, Skeletons] = {}
+def live_result(recording: Path) -> LiveResult:
+    """Return the accuracy of the estimates in `recording`, compared with its ground truth."""
+    estimates: dict[int, Skeletons] = {}
     for message in read_messages(recording):
         if message.topic == SKELETONS_TOPIC:
             stamp, skeletons = read_skeletons(message.data)
-            answers[stamp] = skeletons
-    frames = answered = 0
+            estimates[stamp] = skeletons
+    frames = estimated = 0
     errors: list[float] = []
     for frame in open_recording(recording):
         frames += 1
-        if frame.ground_truth is None or frame.stamp not in answers:
+        if frame.ground_truth is None or frame.stamp not in estimates:
             continue
-        distances = joint_errors(answers[frame.stamp], frame.ground_truth)
+        distances = joint_errors(estimates[frame.stamp], frame.ground_truth)
         found = np.isfinite(distances)
-        answered += bool(found.any(axis=1).all())
+        estimated += bool(found.any(axis=1).all())
         errors.extend(distances[found].tolist())
-    return Outcome(frames, answered, float(np.mean(errors)) if errors else float('inf'))
+    return LiveResult(frames, estimated, float(np.mean(errors)) if errors else float('inf'))
 
 
-def summary(outcome: Outcome, scores: dict[str, Score], files: Files, seconds: float) -> str:
-    """Return what the user is told at the end."""
-    verdict = 'as good as expected' if outcome.passed else 'NOT as good as expected'
+def summary(
+    result: LiveResult, accuracies: dict[str, ModelAccuracy], files: Files, seconds: float
+) -> str:
+    """Return the text that is printed at the end."""
+    verdict = 'as good as expected' if result.passed else 'NOT as good as expected'
     rows = '\n'.join(
-        f'{name:<22}{100 * score.mean_error:>8.1f} cm{100 * score.share:>14.1f} %'
-        for name, score in scores.items()
+        f'{name:<22}{100 * accuracy.mean_error:>8.1f} cm{100 * accuracy.fraction:>14.1f} %'
+        for name, accuracy in accuracies.items()
     )
     return f"""
-The live node answered {outcome.answered} of {outcome.frames} frames over ROS 2.
-Mean error of its joints: {100 * outcome.mean_error:.1f} cm (at most {100 * MOST_ERROR:.0f} cm).
-That is {verdict}; all took {seconds:.0f} s.
+The live node estimated {result.estimated} of {result.frames} frames over ROS 2.
+Mean error of its joints: {100 * result.mean_error:.1f} cm (limit: {100 * MOST_ERROR:.0f} cm).
+This is {verdict}. The demonstration took {seconds:.0f} s.
 
 {'model':<22}{'mean error':>11}{'within 10 cm':>16}
 {rows}
 
-The node's answers, beside the truth: {files.live}
-The same as a picture:                {files.picture}
-The model trained here:               {files.model}
+Estimates of the node and ground truth: {files.live}
+A picture of them:                      {files.picture}
+The model that was trained:             {files.model}
 """
 
 
@@ -210,7 +219,7 @@ def _files(directory: Path) -> Files:
     try:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        msg = f'{directory}: cannot be made ({error.strerror}); choose another --directory'
+        msg = f'{directory}: cannot be created ({error.strerror}); choose another --directory'
         raise InputError(msg) from error
     names = (
         'test.mcap', 'live.mcap', 'live.png', 'node.log', 'training.mcap', 'model.npz',
@@ -220,22 +229,22 @@ def _files(directory: Path) -> Files:
 
 
 def _run_step(*words: object) -> None:
-    """Run one `lsc_pose` command here; its complaints and its status are the demo's own."""
-    plain = [str(word) for word in words]
-    _say(f'\n$ lsc_pose {" ".join(plain)}')
-    status = command_line.main(plain)
+    """Run one `lsc_pose` command in this process; end with its status if it fails."""
+    arguments = [str(word) for word in words]
+    _say(f'\n$ lsc_pose {" ".join(arguments)}')
+    status = command_line.main(arguments)
     if status:
         raise SystemExit(status)
 
 
-def _measure(files: Files, model: Path) -> Score:
+def _evaluate(files: Files, model: Path) -> ModelAccuracy:
     _run_step('evaluate', model, files.test, '--json', files.scores)
     results = json.loads(files.scores.read_text(encoding='utf-8'))
-    return Score(results['mean_error_m'], results['map'])
+    return ModelAccuracy(results['mean_error_m'], results['map'])
 
 
-def _answers(files: Files) -> list[SerializedMessage]:
-    """Play the test recording to the node and return what it answers."""
+def _published_estimates(files: Files) -> list[SerializedMessage]:
+    """Publish the test recording and return the skeletons that the node publishes."""
     with _listener() as listener:
         _run_step('replay', files.test, '--publish', '--wait-for', _START_TIMEOUT)
         listener.wait_for_messages(TEST_FRAMES, _END_TIMEOUT)
@@ -244,7 +253,7 @@ def _answers(files: Files) -> list[SerializedMessage]:
 
 @contextmanager
 def _listener() -> Iterator[Any]:
-    """Give a listener to the node's answers, once it has found the node."""
+    """Subscribe to the skeletons of the node, and wait until it is found."""
     opened = load_with_ros('lsc_pose_ros.ros.playback.listener').open_listener
     with opened({SKELETONS_TOPIC: POINT_CLOUD}) as listener:
         if not listener.wait_for_publishers(_START_TIMEOUT):
@@ -255,7 +264,7 @@ def _listener() -> Iterator[Any]:
 
 @contextmanager
 def _live_node(files: Files, model: Path) -> Iterator[None]:
-    """Run pose_node with `model` in a process of its own."""
+    """Run pose_node with `model` in a separate process."""
     words = ['--ros-args', '-p', f'model:={model}']
     _say(f'\n$ pose_node {" ".join(words)}')
     with files.log.open('wb') as log:
@@ -268,7 +277,7 @@ def _live_node(files: Files, model: Path) -> Iterator[None]:
         try:
             yield
             if node.poll() is not None:
-                msg = f'pose_node ended by itself with status {node.returncode}; see {files.log}'
+                msg = f'pose_node ended with status {node.returncode}; see {files.log}'
                 raise InputError(msg)
         finally:
             _stop(node)

@@ -21,7 +21,7 @@ from collections.abc import Iterator
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, SerializedMessage, read_messages
 from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.messages.markers import MarkerUpdater
 from lsc_pose_ros.messages.type_names import MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
@@ -37,7 +37,7 @@ _DEFAULT_DRAWING = DrawingSettings()
 
 def write_estimated_copy(
     frames: FrameReader,
-    sequence: Sequence,
+    temporal_estimator: TemporalEstimator,
     writer: RecordingWriter,
     segmenter: Segmenter | None = None,
     drawing_settings: DrawingSettings = _DEFAULT_DRAWING,
@@ -48,7 +48,7 @@ def write_estimated_copy(
 
     Args:
         frames: the frames.
-        sequence: estimates the frames in their order.
+        temporal_estimator: estimates the frames in their order.
         writer: writes the copy.
         segmenter: finds the bodies; None to use the masks of the frames.
         drawing_settings: how the joints are drawn.
@@ -57,13 +57,13 @@ def write_estimated_copy(
         Each estimate, after it is written.
     """
     copier = _MessageCopier(frames, writer)
-    marker_updater = MarkerUpdater(sequence.estimator.model.edges)
+    marker_updater = MarkerUpdater(temporal_estimator.estimator.model.edges)
     for frame in frames:
         log_time = copier.copy_up_to(frame.stamp)
         labels = frame.labels
         if segmenter is not None:
             labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
-        skeletons = sequence.answer(frame.stamp, frame.depth, labels, frame.camera)
+        skeletons = temporal_estimator.estimate(frame.stamp, frame.depth, labels, frame.camera)
         shapes = marker_updater.update(skeletons, drawing_settings)
         head = (frame.stamp, frame.frame_id)
         writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))

@@ -33,7 +33,7 @@ from lsc_pose_ros.tracking.tracker import Tracker
 REWIND_NS = 500_000_000
 
 
-class Sequence:
+class TemporalEstimator:
     """Estimates the frames of one sequence; not reentrant.
 
     Attributes:
@@ -60,7 +60,7 @@ class Sequence:
         self._tracker = Tracker()
         self._filter = OneEuroBodies()
 
-    def answer(
+    def estimate(
         self,
         stamp: int,
         depth: NDArray[np.float32],

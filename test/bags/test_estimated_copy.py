@@ -25,7 +25,7 @@ from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC, write_estimated_co
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
@@ -60,8 +60,11 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def live(frames: list[Frame], model: Model, settings: TemporalSettings) -> list[Skeletons]:
     """What a node's worker does, one frame after the other."""
-    sequence = Sequence(Estimator(model), settings)
-    return [sequence.answer(each.stamp, each.depth, each.labels, each.camera) for each in frames]
+    temporal_estimator = TemporalEstimator(Estimator(model), settings)
+    return [
+        temporal_estimator.estimate(each.stamp, each.depth, each.labels, each.camera)
+        for each in frames
+    ]
 
 
 def assert_same(found: list[Skeletons], expected: list[Skeletons]) -> None:
@@ -93,8 +96,8 @@ def test_replay_and_live_give_the_same_joints(
 ) -> None:
     output = tmp_path / 'out.mcap'
     with RecordingWriter(output) as writer:
-        sequence = Sequence(Estimator(small_model), settings)
-        answers = list(write_estimated_copy(open_recording(recording), sequence, writer))
+        temporal_estimator = TemporalEstimator(Estimator(small_model), settings)
+        answers = list(write_estimated_copy(open_recording(recording), temporal_estimator, writer))
     expected = live(list(open_recording(recording)), small_model, settings)
     assert_same(answers, expected)
     assert_same(written(output), expected)
@@ -121,9 +124,11 @@ def test_bodies_without_masks(recording: Path, small_model: Model, tmp_path: Pat
         ALL,
     )
     with RecordingWriter(tmp_path / 'out.mcap') as writer:
-        sequence = Sequence(Estimator(small_model), ALL)
+        temporal_estimator = TemporalEstimator(Estimator(small_model), ALL)
         found = list(
-            write_estimated_copy(open_recording(recording), sequence, writer, make_segmenter(how))
+            write_estimated_copy(
+                open_recording(recording), temporal_estimator, writer, make_segmenter(how)
+            )
         )
     assert_same(found, expected)
     assert np.isfinite(found[0].positions).any()

@@ -41,7 +41,7 @@ from lsc_pose_ros.bags.serialization.serialize import (
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
-from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.messages.type_names import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
@@ -227,7 +227,7 @@ def test_the_nodes_parameters_are_taken(
 ) -> None:
     model = load_model(small_model_file)
     settings = model.settings._replace(query_points=60)
-    sequence = Sequence(
+    sequence = TemporalEstimator(
         Estimator(model._replace(settings=settings)),
         TemporalSettings(TRACKED, smoothing=True, smoothing_cutoff=0.7, smoothing_beta=3.0),
     )
@@ -236,7 +236,7 @@ def test_the_nodes_parameters_are_taken(
     answers = [read_skeletons(data) for data in of(output, SKELETONS_TOPIC)]
     frames = list(open_recording(recording))
     for answer, frame in zip(answers, frames, strict=True):
-        expected = sequence.answer(frame.stamp, frame.depth, frame.labels, frame.camera)
+        expected = sequence.estimate(frame.stamp, frame.depth, frame.labels, frame.camera)
         for found, wanted in zip(answer.skeletons, expected, strict=True):
             np.testing.assert_array_equal(found, wanted)
 

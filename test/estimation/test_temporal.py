@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.estimation.temporal import REWIND_NS, Sequence
+from lsc_pose_ros.estimation.temporal import REWIND_NS, TemporalEstimator
 from lsc_pose_ros.settings.table import TRACKED, TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
 from lsc_pose_ros.tracking.tracker import Tracker
@@ -65,8 +65,8 @@ def answers():
     return made
 
 
-def run(sequence, count, start=START):
-    return [sequence.answer(start + n * FRAME, None, None, None) for n in range(count)]
+def run(temporal_estimator, count, start=START):
+    return [temporal_estimator.estimate(start + n * FRAME, None, None, None) for n in range(count)]
 
 
 def assert_same(found, expected):
@@ -77,7 +77,7 @@ def assert_same(found, expected):
 
 
 def test_nothing_is_done_unasked(answers):
-    assert_same(run(Sequence(Script(answers), TemporalSettings()), 30), answers)
+    assert_same(run(TemporalEstimator(Script(answers), TemporalSettings()), 30), answers)
 
 
 def test_numbers_first_then_smoothing(answers):
@@ -90,7 +90,7 @@ def test_numbers_first_then_smoothing(answers):
         )
         for n, each in enumerate(answers)
     ]
-    found = run(Sequence(Script(answers), BOTH), 30)
+    found = run(TemporalEstimator(Script(answers), BOTH), 30)
     assert_same(found, expected)
     known = np.array([each.positions[:, :, 0] for each in found])
     assert np.nanmax(np.abs(known - [[[0], [2]]])) < 0.2
@@ -98,34 +98,34 @@ def test_numbers_first_then_smoothing(answers):
 
 @pytest.mark.parametrize('settings', [SMOOTHED, BOTH])
 def test_stamps_that_go_back_begin_anew(answers, settings):
-    once = run(Sequence(Script(answers), settings), 30)
-    twice = Sequence(Script([*answers, *answers]), settings)
+    once = run(TemporalEstimator(Script(answers), settings), 30)
+    twice = TemporalEstimator(Script([*answers, *answers]), settings)
     assert_same([*run(twice, 30), *run(twice, 30)], [*once, *once])
-    late = Sequence(Script([*answers, answers[0]]), settings)
+    late = TemporalEstimator(Script([*answers, answers[0]]), settings)
     run(late, 30)
     newest = START + 29 * FRAME
-    found = late.answer(newest - REWIND_NS, None, None, None)
+    found = late.estimate(newest - REWIND_NS, None, None, None)
     assert late._newest == newest
     assert found.bodies.tolist() == [1, 2]
 
 
 def test_reset_forgets(answers):
-    sequence = Sequence(Script([*answers[:10], *answers]), BOTH)
-    run(sequence, 10)
-    sequence.reset()
+    temporal_estimator = TemporalEstimator(Script([*answers[:10], *answers]), BOTH)
+    run(temporal_estimator, 10)
+    temporal_estimator.reset()
     assert_same(
-        run(sequence, 30, START + 10 * FRAME),
-        run(Sequence(Script(answers), BOTH), 30, START + 10 * FRAME),
+        run(temporal_estimator, 30, START + 10 * FRAME),
+        run(TemporalEstimator(Script(answers), BOTH), 30, START + 10 * FRAME),
     )
 
 
 def test_settings_and_estimator_change_while_it_runs(answers):
-    sequence = Sequence(Script(answers), TemporalSettings())
-    assert_same(run(sequence, 5), answers[:5])
-    sequence.settings = SMOOTHED
-    first, second = run(sequence, 2, START + 5 * FRAME)
+    temporal_estimator = TemporalEstimator(Script(answers), TemporalSettings())
+    assert_same(run(temporal_estimator, 5), answers[:5])
+    temporal_estimator.settings = SMOOTHED
+    first, second = run(temporal_estimator, 2, START + 5 * FRAME)
     assert_same([first], [answers[5]])  # the filter knows nothing yet
     assert not np.array_equal(second.positions, answers[6].positions, equal_nan=True)
-    sequence.estimator = cast('Any', Script(answers))
-    sequence.settings = TemporalSettings()
-    assert_same(run(sequence, 3, START + 7 * FRAME), answers[:3])
+    temporal_estimator.estimator = cast('Any', Script(answers))
+    temporal_estimator.settings = TemporalSettings()
+    assert_same(run(temporal_estimator, 3, START + 7 * FRAME), answers[:3])

@@ -39,13 +39,15 @@ from lsc_pose_ros.resources.package_files import default_model
 
 
 def answer(frame: Frame, offset: float = 0.0, unknown: int = 0) -> Skeletons:
-    """The truth, shifted along x, with the first joints left out."""
+    """The ground truth, shifted along x, with the first joints left out."""
     positions = frame.ground_truth.positions + np.array([offset, 0, 0], np.float32)
     positions[:, :unknown] = np.nan
     return frame.ground_truth._replace(positions=positions)
 
 
-def compared(frames: list[Frame], answers: dict[int, Skeletons], tmp_path: Path) -> demo.Outcome:
+def compared(
+    frames: list[Frame], answers: dict[int, Skeletons], tmp_path: Path
+) -> demo.LiveResult:
     path = tmp_path / 'live.mcap'
     with RecordingWriter(path) as writer:
         for number, frame in enumerate(frames):
@@ -54,29 +56,29 @@ def compared(frames: list[Frame], answers: dict[int, Skeletons], tmp_path: Path)
                 writer.write_skeletons(
                     SKELETONS_TOPIC, frame.stamp, frame.frame_id, answers[number]
                 )
-    return demo.compare(path)
+    return demo.live_result(path)
 
 
 def test_perfect_answers_pass(simple_frames: list[Frame], tmp_path: Path) -> None:
     answers = {number: answer(frame) for number, frame in enumerate(simple_frames)}
-    outcome = compared(simple_frames, answers, tmp_path)
-    assert outcome == (10, 10, 0.0)
-    assert outcome.passed
+    result = compared(simple_frames, answers, tmp_path)
+    assert result == (10, 10, 0.0)
+    assert result.passed
 
 
 def test_error_is_the_mean_distance(simple_frames: list[Frame], tmp_path: Path) -> None:
     answers = {number: answer(frame, 0.09, 1) for number, frame in enumerate(simple_frames)}
-    outcome = compared(simple_frames, answers, tmp_path)
-    assert outcome.answered == 10
-    assert outcome.mean_error == pytest.approx(0.09, abs=1e-6)
-    assert not outcome.passed
+    result = compared(simple_frames, answers, tmp_path)
+    assert result.estimated == 10
+    assert result.mean_error == pytest.approx(0.09, abs=1e-6)
+    assert not result.passed
 
 
 def test_missing_answers_fail(simple_frames: list[Frame], tmp_path: Path) -> None:
     answers = {number: answer(frame) for number, frame in enumerate(simple_frames) if number}
-    outcome = compared(simple_frames, answers, tmp_path)
-    assert outcome == (10, 9, 0.0)
-    assert not outcome.passed
+    result = compared(simple_frames, answers, tmp_path)
+    assert result == (10, 9, 0.0)
+    assert not result.passed
 
 
 def test_answer_without_joints_of_somebody_is_none(
@@ -85,13 +87,13 @@ def test_answer_without_joints_of_somebody_is_none(
     answers = {number: answer(frame) for number, frame in enumerate(simple_frames)}
     answers[3].positions[1] = np.nan  # the second person
     answers[4] = answer(simple_frames[4], 0.0, 3)
-    assert compared(simple_frames, answers, tmp_path).answered == 8
+    assert compared(simple_frames, answers, tmp_path).estimated == 8
 
 
 def test_no_answer_at_all_fails(simple_frames: list[Frame], tmp_path: Path) -> None:
-    outcome = compared(simple_frames, {}, tmp_path)
-    assert outcome == (10, 0, float('inf'))
-    assert not outcome.passed
+    result = compared(simple_frames, {}, tmp_path)
+    assert result == (10, 0, float('inf'))
+    assert not result.passed
 
 
 def test_answers_are_put_where_their_frames_are(
@@ -108,7 +110,7 @@ def test_answers_are_put_where_their_frames_are(
     ]
     files = demo._files(tmp_path)._replace(test=labelled_recording)
     demo.write_live(files, answers)
-    assert demo.compare(files.live) == (10, 10, 0.0)
+    assert demo.live_result(files.live) == (10, 10, 0.0)
     assert len(list(open_recording(files.live))) == 10
 
 
@@ -146,10 +148,10 @@ def test_whole_demonstration_in_small(
     )
     program = start_program('-c', code)
     program.exit_status()
-    assert re.search(r'answered (19|20) of 20 frames over ROS 2', program.output), program.output
+    assert re.search(r'estimated (19|20) of 20 frames over ROS 2', program.output), program.output
     folder = tmp_path / 'demo'
     rows = re.findall(
-        r"^the (?:package's|one trained here) +([\d.]+) cm +([\d.]+) %$",
+        r'^(?:default|trained) model +([\d.]+) cm +([\d.]+) %$',
         program.output,
         re.MULTILINE,
     )
@@ -175,10 +177,10 @@ def test_without_a_model_of_the_package_it_ends_with_a_reason(
 
 
 def test_summary_compares_both_models(tmp_path: Path) -> None:
-    scores = {'one': demo.Score(0.043, 0.951), 'other': demo.Score(0.061, 0.9)}
-    said = demo.summary(demo.Outcome(20, 19, 0.05), scores, demo._files(tmp_path), 61.4)
-    assert 'answered 19 of 20 frames' in said
-    assert 'as good as expected; all took 61 s' in said
+    scores = {'one': demo.ModelAccuracy(0.043, 0.951), 'other': demo.ModelAccuracy(0.061, 0.9)}
+    said = demo.summary(demo.LiveResult(20, 19, 0.05), scores, demo._files(tmp_path), 61.4)
+    assert 'estimated 19 of 20 frames' in said
+    assert 'as good as expected. The demonstration took 61 s' in said
     assert 'NOT' not in said
     assert re.search(r'^one +4\.3 cm +95\.1 %$', said, re.MULTILINE)
     assert re.search(r'^other +6\.1 cm +90\.0 %$', said, re.MULTILINE)

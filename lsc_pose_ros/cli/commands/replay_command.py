@@ -23,7 +23,10 @@ from typing import TYPE_CHECKING, Any
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.estimated_copy import write_estimated_copy
-from lsc_pose_ros.cli.options.estimation_options import add_estimation_options, sequence_from
+from lsc_pose_ros.cli.options.estimation_options import (
+    add_estimation_options,
+    temporal_estimator_from,
+)
 from lsc_pose_ros.cli.options.numbers import positive_float
 from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
@@ -126,11 +129,11 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
     segmenter = make_segmenter(settings_from(arguments, SegmentationSettings))
     if segmenter is not None:
         reader.topics = reader.topics._replace(mask='')  # frames need not wait for masks
-    sequence = sequence_from(arguments)
+    temporal_estimator = temporal_estimator_from(arguments)
     frames = bodies = 0
     with RecordingWriter(output) as writer:
         drawing = settings_from(arguments, DrawingSettings)
-        answers = write_estimated_copy(reader, sequence, writer, segmenter, drawing)
+        answers = write_estimated_copy(reader, temporal_estimator, writer, segmenter, drawing)
         for skeletons in progress(answers, reader.count, 'estimating'):
             frames += 1
             bodies += len(skeletons.bodies)

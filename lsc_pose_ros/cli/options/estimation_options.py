@@ -24,7 +24,7 @@ from lsc_pose_ros.cli.options.setting_options import (
     settings_from,
 )
 from lsc_pose_ros.estimation.model_settings import make_estimator
-from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
@@ -64,11 +64,11 @@ def estimator_from(arguments: argparse.Namespace, path: Path) -> Estimator:
     return make_estimator(load_model(path), settings, SETTINGS['query_points'].option)
 
 
-def sequence_from(arguments: argparse.Namespace) -> Sequence:
+def temporal_estimator_from(arguments: argparse.Namespace) -> TemporalEstimator:
     """Return the estimation of consecutive frames that `arguments` ask for.
 
     Raises:
         InputError: as `estimator_from`.
     """
     estimator = estimator_from(arguments, find_model(arguments.model))
-    return Sequence(estimator, settings_from(arguments, TemporalSettings))
+    return TemporalEstimator(estimator, settings_from(arguments, TemporalSettings))

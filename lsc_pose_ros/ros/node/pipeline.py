@@ -21,7 +21,7 @@ from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
@@ -67,7 +67,7 @@ class Pipeline:
         self._resources = resources
         self._log = ThrottledLog(node.get_logger())
         self._reminders = ThrottledLog(node.get_logger(), REMINDER_PERIOD)
-        self._sequence = Sequence(resources.estimator(parameters), parameters)
+        self._temporal_estimator = TemporalEstimator(resources.estimator(parameters), parameters)
         self._segmenter = make_segmenter(parameters)
         self._segmenter_was_ready = True
         self._log_learning()
@@ -89,9 +89,9 @@ class Pipeline:
         """Use other values of the parameters that can change at any time."""
         before, self._parameters = self._parameters, parameters
         self._outputs.parameters = parameters
-        self._sequence.settings = parameters
+        self._temporal_estimator.settings = parameters
         if parameters.query_points != before.query_points:
-            self._sequence.estimator = self._resources.estimator(parameters)
+            self._temporal_estimator.estimator = self._resources.estimator(parameters)
         if parameters.sync_slop != before.sync_slop:
             self.inputs.set_sync_slop(parameters.sync_slop)
 
@@ -117,7 +117,7 @@ class Pipeline:
         self._log_learning()
         clock = StageClock()
         with stage('estimate'):
-            skeletons = self._sequence.answer(
+            skeletons = self._temporal_estimator.estimate(
                 frame.stamp, frame.depth, frame.labels, frame.camera, clock
             )
         self._diagnostics.measurements.add_stages(clock.seconds)

@@ -34,7 +34,7 @@ from waiting import stays, wait_until
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.estimation.temporal import Sequence
+from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model
@@ -299,12 +299,12 @@ def test_changes_take_effect_while_the_node_runs(
     assert not services.set('smoothing', value=True)
     assert not services.set('smoothing_cutoff', 0.1)
     assert not services.set('smoothing_beta', 0.0)
-    smooth = Sequence(
+    smooth = TemporalEstimator(
         Estimator(model),
         TemporalSettings(smoothing=True, smoothing_cutoff=0.1, smoothing_beta=0.0),
     )
     for frame in frames[5:8]:
-        expected = smooth.answer(frame.stamp, frame.depth, frame.labels, frame.camera)
+        expected = smooth.estimate(frame.stamp, frame.depth, frame.labels, frame.camera)
         assert_equal(talk.ask(frame)[0], expected)
     assert not np.array_equal(expected.positions, plain(frame).positions, equal_nan=True)
     assert not services.set('smoothing', value=False)
