@@ -164,7 +164,7 @@ def test_several_topics_of_skeletons_are_not_guessed_among(
     answered: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     said = refused(capsys, answered, '-o', tmp_path / 'a.png')
-    assert 'several topics hold skeletons: /one/skeletons, /two/skeletons' in said
+    assert 'several topics have skeletons: /one/skeletons, /two/skeletons' in said
     assert '--skeletons-topic' in said
 
 
@@ -172,7 +172,7 @@ def test_a_wrong_topic_of_skeletons_is_refused(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = (recording, '-o', tmp_path / 'a.png', '--skeletons-topic')
-    assert '/mask is no topic with skeletons' in refused(capsys, *words, '/mask')
+    assert '/mask has no skeletons' in refused(capsys, *words, '/mask')
 
 
 def test_the_model_of_the_package_draws_what_no_recording_holds(

@@ -25,8 +25,8 @@ from lsc_pose_ros.cli.options.numbers import positive_float
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments
 from lsc_pose_ros.cli.output.evaluation_results import (
-    Asked,
-    Measured,
+    EvaluationInputs,
+    EvaluationOutput,
     evaluation_facts,
     evaluation_results,
     evaluation_table,
@@ -111,9 +111,9 @@ def run(arguments: argparse.Namespace) -> int:
     estimator = estimator_from(arguments, path)
     readers = open_recordings(arguments, recordings)
     others = open_recordings(arguments, arguments.offsets_from or [])
-    measured = _measure(arguments, estimator, readers, others)
-    asked = Asked(path, recordings, arguments.offsets_from or [], arguments.tolerance)
-    results = evaluation_results(asked, estimator, measured)
+    output = _measure(arguments, estimator, readers, others)
+    inputs = EvaluationInputs(path, recordings, arguments.offsets_from or [], arguments.tolerance)
+    results = evaluation_results(inputs, estimator, output)
     print(evaluation_table(results))
     if arguments.json:
         write_json(arguments.json, results)
@@ -125,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
             arguments.report,
             estimator,
             readers,
-            (measured.evaluation, measured.summary, arguments.tolerance),
+            (output.evaluation, output.summary, arguments.tolerance),
             evaluation_facts(results),
         )
         print(page)
@@ -155,7 +155,7 @@ def _measure(
     estimator: Estimator,
     readers: list[FrameReader],
     others: list[FrameReader],
-) -> Measured:
+) -> EvaluationOutput:
     """Evaluate on `readers`, with offsets fitted on `others` if there are any."""
     wanted = numbers_of(arguments.joints) if arguments.joints else estimator.joints
     offsets = None
@@ -163,4 +163,4 @@ def _measure(
         fitted = select(evaluate(estimator, read_frames(others, 'fitting offsets')), wanted)
         offsets = fit_offsets(fitted)
     evaluation = select(evaluate(estimator, read_frames(readers, 'evaluating')), wanted)
-    return Measured(evaluation, summarise(evaluation, arguments.tolerance), offsets)
+    return EvaluationOutput(evaluation, summarise(evaluation, arguments.tolerance), offsets)

@@ -22,7 +22,7 @@ from pathlib import Path
 
 from lsc_pose_ros.bags import FrameReader, open_recording, read_messages
 from lsc_pose_ros.cli.input.recorded_skeletons import find_skeletons_topic, read_skeletons_at
-from lsc_pose_ros.cli.options.frame_selection import Numbered, pick, spread
+from lsc_pose_ros.cli.options.frame_selection import NumberedFrame, pick, spread
 from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
@@ -187,7 +187,7 @@ def _draw_sheet(
     print(f'{arguments.output}: {len(drawn)} frames')
 
 
-def _estimated(estimator: Estimator, chosen: Sequence[Numbered]) -> dict[int, Skeletons]:
+def _estimated(estimator: Estimator, chosen: Sequence[NumberedFrame]) -> dict[int, Skeletons]:
     """Return the skeletons of each chosen frame, by its number."""
     return {
         number: estimator.estimate(frame.depth, frame.labels, frame.camera)
@@ -196,7 +196,7 @@ def _estimated(estimator: Estimator, chosen: Sequence[Numbered]) -> dict[int, Sk
 
 
 def _recorded(
-    arguments: argparse.Namespace, reader: FrameReader, chosen: Sequence[Numbered]
+    arguments: argparse.Namespace, reader: FrameReader, chosen: Sequence[NumberedFrame]
 ) -> dict[int, Skeletons]:
     """Return the recorded skeletons of the chosen frames, by their numbers."""
     recording = read_messages(arguments.recording)
@@ -207,7 +207,7 @@ def _recorded(
     return {number: recorded[frame.stamp] for number, frame in chosen if frame.stamp in recorded}
 
 
-def _choose(arguments: argparse.Namespace, reader: FrameReader) -> list[Numbered]:
+def _choose(arguments: argparse.Namespace, reader: FrameReader) -> list[NumberedFrame]:
     if arguments.at:
         total = max(arguments.at) + 1
         frames = progress(reader, total, 'reading')

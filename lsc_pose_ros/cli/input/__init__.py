@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What commands read."""
+"""Recordings and skeletons that several commands read."""

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The recordings that a command reads: opened before the work, their warnings told after it."""
+"""Opens the labelled recordings of a command and prints their warnings after the work."""
 
 import argparse
 import sys
@@ -28,7 +28,7 @@ from lsc_pose_ros.errors import InputError
 
 
 def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add RECORDING… and the arguments that name their topics."""
+    """Add the positional argument RECORDING and the options for its topics."""
     parser.add_argument(
         'recordings',
         type=Path,
@@ -42,10 +42,10 @@ def add_recording_arguments(parser: argparse.ArgumentParser) -> None:
 def open_recordings(
     arguments: argparse.Namespace, paths: Sequence[Path] | None = None
 ) -> list[FrameReader]:
-    """Return the recordings that `arguments` name, or those at `paths` with the same topics.
+    """Open the recordings in `arguments`, or those at `paths` with the same topics.
 
     Raises:
-        InputError: one of them cannot be opened or holds no ground truth.
+        InputError: a recording cannot be opened or has no ground truth.
     """
     readers = [
         open_recording(path, topics_of(arguments), mask_background=arguments.mask_background)
@@ -62,7 +62,7 @@ def open_recordings(
 
 
 def read_frames(readers: Sequence[FrameReader], description: str) -> Iterator[Frame]:
-    """Yield the frames of all `readers` behind one progress bar; warnings go to stderr."""
+    """Yield the frames of all `readers` with one progress bar; print warnings to stderr."""
     counts = [reader.count for reader in readers]
     total = None if None in counts else sum(filter(None, counts))
     yield from progress(_chain(readers), total, description)

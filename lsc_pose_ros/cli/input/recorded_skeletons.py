@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Skeletons that a recording already holds: what a node or a replay answered."""
+"""Reads estimated skeletons from a recording, as a node or a replay has published them."""
 
 from collections.abc import Collection
 
@@ -26,21 +26,21 @@ from lsc_pose_ros.messages.type_names import POINT_CLOUD
 
 
 def find_skeletons_topic(recording: RecordingReader, wanted: str, ground_truth: str) -> str:
-    """Return the topic with estimated skeletons, '' where there is none.
+    """Return the topic with estimated skeletons, '' if there is none.
 
     Args:
         recording: the recording.
-        wanted: the topic that the user named; '' is found by type and name.
-        ground_truth: the topic of the labelled skeletons, which is not the one.
+        wanted: the topic from the command line; '' to find it by type and name.
+        ground_truth: the topic of the ground truth, which is excluded.
 
     Raises:
-        InputError: the topic that was named is no such topic, or there are several.
+        InputError: `wanted` has no skeletons, or several topics have skeletons.
     """
     clouds = [name for name, topic in recording.topics.items() if _has_clouds(topic)]
     if wanted:
         if wanted not in clouds:
             msg = (
-                f'{recording.path}: {wanted} is no topic with skeletons; '
+                f'{recording.path}: {wanted} has no skeletons; '
                 f'its PointCloud2 topics: {", ".join(sorted(clouds)) or "none"}'
             )
             raise InputError(msg)
@@ -50,7 +50,7 @@ def find_skeletons_topic(recording: RecordingReader, wanted: str, ground_truth: 
         return SKELETONS_TOPIC
     if len(found) > 1:
         msg = (
-            f'{recording.path}: several topics hold skeletons: {", ".join(found)}; '
+            f'{recording.path}: several topics have skeletons: {", ".join(found)}; '
             'choose one with --skeletons-topic'
         )
         raise InputError(msg)
@@ -69,7 +69,7 @@ def read_skeletons_at(
         try:
             stamp, skeletons = read_skeletons(message.data)
         except DamagedMessageError:
-            continue  # the reader of the frames has warned of the damage
+            continue  # the reader of the frames has already warned
         except InputError as error:
             msg = f'{recording.path}: topic {topic}: {error}'
             raise InputError(msg) from error

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which frames of a recording to take: some spread evenly, or those with given numbers."""
+"""Selects frames of a recording: evenly distributed, or by number."""
 
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
@@ -23,40 +23,40 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly
 
 
-class Numbered(NamedTuple):
-    """A frame and its place in the recording, counted from 0."""
+class NumberedFrame(NamedTuple):
+    """A frame and its number in the recording, from 0."""
 
     number: int
     frame: Frame
 
 
-def spread(frames: Iterable[Frame], wanted: int) -> list[Numbered]:
-    """Return `wanted` of `frames`, spread evenly, or all where there are fewer.
+def spread(frames: Iterable[Frame], wanted: int) -> list[NumberedFrame]:
+    """Return `wanted` evenly distributed frames, or all if there are fewer.
 
     One pass over any number of frames, of which fewer than 4 `wanted` are held: every frame at
     first, and each time that these become too many, every second of them is let go.
     """
-    kept: list[Numbered] = []
+    kept: list[NumberedFrame] = []
     stride = 1
     for number, frame in enumerate(frames):
         if number % stride == 0:
-            kept.append(Numbered(number, frame))
+            kept.append(NumberedFrame(number, frame))
             if len(kept) == 4 * wanted:
                 kept = kept[::2]
                 stride *= 2
     return [kept[index] for index in choose_uniformly(len(kept), wanted)]
 
 
-def pick(frames: Iterable[Frame], numbers: Sequence[int], where: str) -> list[Numbered]:
-    """Return the frames with these numbers, in the order given.
+def pick(frames: Iterable[Frame], numbers: Sequence[int], where: str) -> list[NumberedFrame]:
+    """Return the frames with these numbers, in the order of `numbers`.
 
     Args:
-        frames: they are read as far as needed.
+        frames: the frames; they are read up to the last number.
         numbers: counted from 0.
-        where: what the frames are from, for errors.
+        where: the name of the recording, for errors.
 
     Raises:
-        InputError: there is no frame with one of the numbers.
+        InputError: a number is too large.
     """
     found: dict[int, Frame] = {}
     missing = set(numbers)
@@ -74,4 +74,4 @@ def pick(frames: Iterable[Frame], numbers: Sequence[int], where: str) -> list[Nu
             f'its {count} frames are numbered from 0 to {count - 1}'
         )
         raise InputError(msg)
-    return [Numbered(number, found[number]) for number in numbers]
+    return [NumberedFrame(number, found[number]) for number in numbers]

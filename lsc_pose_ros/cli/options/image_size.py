@@ -20,10 +20,10 @@ import re
 
 
 def image_size(word: str) -> tuple[int, int]:
-    """Return the width and the height that a word like 320x240 gives.
+    """Return the width and the height in a word like 320x240.
 
     Raises:
-        ArgumentTypeError: it gives none.
+        ArgumentTypeError: the word is not an image size.
     """
     match = re.fullmatch(r'(\d+)x(\d+)', word)
     if match is None:

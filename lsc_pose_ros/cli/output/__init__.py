@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What commands print and write."""
+"""Tables, JSON files, reports and progress bars of the commands."""

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The page that `evaluate --report` writes: reads the best and worst frames again to draw them."""
+"""Writes the page of `evaluate --report`, with figures of the best and the worst frames."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -40,18 +40,18 @@ def report_evaluation(
     """Write the page into `directory` and return its path.
 
     Args:
-        directory: where the page goes; it is made if need be.
-        estimator: what was evaluated.
+        directory: the folder of the page; it is created if it does not exist.
+        estimator: the estimator that was evaluated.
         readers: the recordings, in the order of the evaluation.
         results: the evaluation, its summary, and the tolerance in metres.
-        facts: what else the page says, by name.
+        facts: more lines of the page, by name.
 
     Raises:
         InputError: the page cannot be written.
     """
     evaluation, summary, tolerance = results
     ranking = rank_frames(evaluation, FRAMES_SHOWN)
-    # The frames were not kept: a recording may be larger than memory.
+    # Frames are read again because a recording can be larger than the memory.
     drawn = _draw(estimator, readers, {*ranking.best, *ranking.worst})
     report = Report(
         f'How good {facts["model"]} is',

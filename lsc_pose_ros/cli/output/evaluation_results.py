@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What `lsc_pose evaluate` makes of its scores: JSON, a table, and facts for the report."""
+"""Formats the results of `lsc_pose evaluate` as JSON, as a table, and for the report."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -29,14 +29,14 @@ from lsc_pose_ros.evaluation.offsets import apply_offsets
 from lsc_pose_ros.pose.estimator import Estimator
 
 
-class Asked(NamedTuple):
-    """What was to be measured.
+class EvaluationInputs(NamedTuple):
+    """The inputs of an evaluation.
 
     Attributes:
-        model: the model's file.
-        recordings: what it was measured on.
-        offsets_from: what the offsets were fitted on.
-        tolerance: how far a joint may be off to count as found, metres.
+        model: the model file.
+        recordings: the test recordings.
+        offsets_from: the recordings that the offsets were fitted on.
+        tolerance: the largest error of a joint that counts as found, metres.
     """
 
     model: Path
@@ -45,13 +45,13 @@ class Asked(NamedTuple):
     tolerance: float
 
 
-class Measured(NamedTuple):
-    """What came of an evaluation.
+class EvaluationOutput(NamedTuple):
+    """The results of an evaluation.
 
     Attributes:
-        evaluation: of the estimates as they are.
-        summary: of that.
-        offsets: what is added to the estimates, metres, shape (J, 3); None without.
+        evaluation: the errors of the estimates.
+        summary: the summary of `evaluation`.
+        offsets: added to the estimates, metres, shape (J, 3); None for no offsets.
     """
 
     evaluation: Evaluation
@@ -59,22 +59,24 @@ class Measured(NamedTuple):
     offsets: NDArray[np.float32] | None
 
 
-def evaluation_results(asked: Asked, estimator: Estimator, measured: Measured) -> dict[str, Any]:
-    """Return all results by name, as --json writes them."""
-    evaluation, summary, offsets = measured
+def evaluation_results(
+    inputs: EvaluationInputs, estimator: Estimator, output: EvaluationOutput
+) -> dict[str, Any]:
+    """Return all results by name, for --json."""
+    evaluation, summary, offsets = output
     settings, calibrated = estimator.model.settings, len(estimator.model.calibration) > 0
     milliseconds = 1000 * evaluation.seconds
     results = {
         'frames': len(evaluation.seconds),
         'people': len(evaluation.errors),
-        'tolerance_m': asked.tolerance,
+        'tolerance_m': inputs.tolerance,
         **_scores(evaluation, summary, calibrated=calibrated),
         'ms_per_frame': {
             'p50': float(np.percentile(milliseconds, 50)),
             'p95': float(np.percentile(milliseconds, 95)),
         },
-        'model': str(asked.model),
-        'recordings': [str(recording) for recording in asked.recordings],
+        'model': str(inputs.model),
+        'recordings': [str(recording) for recording in inputs.recordings],
         'graph': estimator.graph,
         'query_points': settings.query_points,
         'feature': settings.feature,
@@ -83,15 +85,15 @@ def evaluation_results(asked: Asked, estimator: Estimator, measured: Measured) -
     if offsets is not None:
         moved = apply_offsets(evaluation, offsets)
         results['with_offsets'] = {
-            **_scores(moved, summarise(moved, asked.tolerance), calibrated=calibrated),
+            **_scores(moved, summarise(moved, inputs.tolerance), calibrated=calibrated),
             'offsets_m': dict(zip(names_of(moved.joints), offsets.tolist(), strict=True)),
-            'offsets_from': [str(recording) for recording in asked.offsets_from],
+            'offsets_from': [str(recording) for recording in inputs.offsets_from],
         }
     return results
 
 
 def _scores(evaluation: Evaluation, summary: Summary, *, calibrated: bool) -> dict[str, Any]:
-    """Return what an offset changes of the results."""
+    """Return the results that offsets change."""
     return {
         'mean_error_m': summary.mean_error_m,
         'map': summary.map,
@@ -101,7 +103,7 @@ def _scores(evaluation: Evaluation, summary: Summary, *, calibrated: bool) -> di
 
 
 def _confidence(reliability: Reliability, *, calibrated: bool) -> dict[str, Any]:
-    """Return how far confidence is to be believed, in words that JSON has."""
+    """Return the reliability of the confidence, for JSON."""
     return {
         'calibrated': calibrated,
         **reliability._asdict(),
@@ -110,7 +112,7 @@ def _confidence(reliability: Reliability, *, calibrated: bool) -> dict[str, Any]
 
 
 def evaluation_facts(results: dict[str, Any]) -> dict[str, str]:
-    """Return what the report says beside the scores."""
+    """Return the lines of the report that are no scores, by name."""
     times = results['ms_per_frame']
     facts = {
         'model': Path(results['model']).name,
@@ -135,7 +137,7 @@ def _words_on(confidence: dict[str, Any]) -> str:
 
 
 def evaluation_table(results: dict[str, Any]) -> str:
-    """Return the scores, joint by joint, with and without offsets where there are any."""
+    """Return a table of the scores of each joint, and with offsets if there are any."""
     within = f'within {100 * results["tolerance_m"]:g} cm'
     moved = results.get('with_offsets')
     head = f'{"joint":<12}{"error cm":>9}{within:>16}{"n":>8}'

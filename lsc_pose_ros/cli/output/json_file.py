@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The results that commands write for other programs."""
+"""Writes results as JSON files for other programs."""
 
 import json
 import math
@@ -24,7 +24,7 @@ from lsc_pose_ros.errors import InputError
 
 
 def write_json(path: Path, results: dict[str, object]) -> None:
-    """Write `results` to `path`, beside it first and then renamed; NaN and infinity become null.
+    """Write `results` to a temporary file and rename it to `path`; NaN and infinity become null.
 
     Raises:
         InputError: the file cannot be written.
@@ -41,7 +41,7 @@ def write_json(path: Path, results: dict[str, object]) -> None:
 
 
 def _plain(value: object) -> object:
-    """Return `value` without what JSON (RFC 8259) has no word for."""
+    """Return `value` with None for numbers that JSON (RFC 8259) cannot represent."""
     if isinstance(value, dict):
         return {str(name): _plain(part) for name, part in value.items()}
     if isinstance(value, list | tuple):

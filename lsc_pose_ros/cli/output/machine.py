@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a measurement of time was made on."""
+"""Describes the computer on which times were measured."""
 
 import os
 import platform
@@ -28,7 +28,7 @@ _PROCESSORS = Path('/proc/cpuinfo')
 
 
 def describe_machine() -> dict[str, object]:
-    """Return the processor's model, how many cores there are, and the architecture."""
+    """Return the model of the processor, the number of cores, and the architecture."""
     return {
         'processor': _processor(),
         'cores': os.cpu_count() or 1,
@@ -37,7 +37,7 @@ def describe_machine() -> dict[str, object]:
 
 
 def versions() -> dict[str, str]:
-    """Return the versions of all that has a part in how fast the kernels are."""
+    """Return the versions of the software that influences the speed of the kernels."""
     return {
         'lsc_pose_ros': __version__,
         'python': platform.python_version(),
@@ -49,7 +49,7 @@ def versions() -> dict[str, str]:
 def _processor() -> str:
     try:
         lines = _PROCESSORS.read_text(encoding='utf-8', errors='replace').splitlines()
-    except OSError:  # only Linux has it
+    except OSError:  # this file exists only on Linux
         lines = []
     for line in lines:
         name, _, value = line.partition(':')

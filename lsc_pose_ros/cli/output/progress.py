@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The progress bar of the long commands."""
+"""Progress bars for long commands."""
 
 import sys
 from collections.abc import Iterable, Iterator
@@ -25,12 +25,12 @@ _Item = TypeVar('_Item')
 
 
 def progress(iterable: Iterable[_Item], total: int | None, description: str) -> Iterator[_Item]:
-    """Yield the items of `iterable`; on a terminal, draw a bar on stderr meanwhile.
+    """Yield the items of `iterable`, with a progress bar on stderr if it is a terminal.
 
     Args:
-        iterable: what is worked through.
-        total: how many items it has, where that is known.
-        description: what stands before the bar.
+        iterable: the items.
+        total: the number of items, None if it is unknown.
+        description: the text before the bar.
     """
-    # `disable=None` is tqdm's word for: only on a terminal.
+    # With `disable=None`, tqdm draws only on a terminal.
     yield from tqdm(iterable, desc=description, total=total, file=sys.stderr, disable=None)
