@@ -161,5 +161,5 @@ def evaluation_table(results: dict[str, Any]) -> str:
     return '\n'.join(lines)
 
 
-def _cells(error: float, share: float) -> str:
-    return f'{100 * error:>9.1f}{100 * share:>14.1f} %'
+def _cells(error: float, fraction: float) -> str:
+    return f'{100 * error:>9.1f}{100 * fraction:>14.1f} %'
