@@ -306,7 +306,7 @@ def test_overload_newest_wins_and_memory_does_not_grow(
     assert len(answered) <= seconds / 0.25  # the slow node takes at least that long for each
     # 240 frames of depth and mask are 55 MB.
     assert resident_bytes(node.pid) - before < 20e6
-    assert node.prints('frames were left out because newer ones came'), node.output
+    assert node.prints('frames were left out because newer ones replaced them'), node.output
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
