@@ -129,3 +129,16 @@ def test_after_a_restart_only_new_stamps_count() -> None:
     for number in range(100):
         loss.add(START // 2 + 2 * number * PERIOD)
     assert loss.missing == 0
+
+
+def test_losses_at_an_uneven_pace_are_not_counted_twice() -> None:
+    """The pace varies by 3 % with a period of 80 frames; each 25th frame is lost.
+
+    A block of short steps compensates for a block of long ones: without that, 154 are counted.
+    """
+    numbers = np.arange(3000)
+    steps = PERIOD * (1 + 0.03 * np.sin(2 * np.pi * numbers / 80))
+    came = np.ones(3000, bool)
+    came[15::25] = False
+    stamps = START + np.cumsum(steps).astype(np.int64)
+    assert missing(stamps[came]) == pytest.approx((~came).sum(), rel=0.1)
