@@ -93,7 +93,8 @@ from lsc_pose_ros.ros.node import main
 
 def load_slowly(module):
     print('loading', flush=True)
-    time.sleep(3600)
+    while True:  # Python runs signal handlers between the sleeps
+        time.sleep(0.1)
 
 main.load_with_ros = load_slowly
 sys.exit(main.main())
