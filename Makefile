@@ -103,7 +103,7 @@ benchmarks-live: $(VENV)/installed
 	$(BIN)/python benchmarks/live.py
 
 clean:
-	rm -rf $(VENV) $(FLOOR) $(COLCON) .venv-3.* demo build install log dist *.egg-info
+	rm -rf $(VENV) $(FLOOR) $(COLCON) .venv-3.* demo build install log dist *.egg-info experiments/build experiments/*.egg-info
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
 	find lsc_pose_ros test launch -name __pycache__ -type d -prune -exec rm -rf {} +
 
