@@ -123,7 +123,7 @@ def _explain(figure: Figure) -> None:
         Line2D([], [], color=_INK, marker='o', markersize=4, label='whole, median'),
         Line2D([], [], color=_INK, linestyle=':', label='whole, 95 % of the frames'),
     ]
-    add_legend_entries(figure, [*entries, *lines])
+    add_legend_entries(figure, [*entries, *lines], lines=2)
 
 
 def write_tables(results: dict[str, Any], path: Path) -> None:

@@ -15,6 +15,9 @@
 
 """The legend below a figure."""
 
+from collections.abc import Sequence
+
+from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
@@ -23,7 +26,7 @@ from lsc_pose_ros.viz.drawing.colours import EDGE
 from lsc_pose_ros.viz.drawing.skeleton_overlay import legend_lines
 
 LEGEND_HEIGHT = 0.3
-"""The height of the legend in a figure, inches."""
+"""The height of one line of the legend in a figure, inches."""
 
 
 def add_legend(figure: Figure, *, skeletons: bool, ground_truth: bool) -> None:
@@ -36,13 +39,13 @@ def add_legend(figure: Figure, *, skeletons: bool, ground_truth: bool) -> None:
     add_legend_entries(figure, entries)
 
 
-def add_legend_entries(figure: Figure, entries: list[Line2D]) -> None:
-    """Add `entries` in one line below the axes of `figure`."""
+def add_legend_entries(figure: Figure, entries: Sequence[Artist], lines: int = 1) -> None:
+    """Add `entries` below the axes of `figure`, in as many lines as `lines`."""
     figure.legend(
-        handles=entries, loc='lower center', ncol=len(entries), handletextpad=0.6,
+        handles=entries, loc='lower center', ncol=-(-len(entries) // lines), handletextpad=0.6,
         columnspacing=1.5, borderaxespad=0.2,
     )  # fmt: skip
-    fraction = LEGEND_HEIGHT / figure.get_figheight()
+    fraction = lines * LEGEND_HEIGHT / figure.get_figheight()
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         engine.set(rect=(0, fraction, 1, 1 - fraction))
