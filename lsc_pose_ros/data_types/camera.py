@@ -13,51 +13,42 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The pinhole camera: projection and back-projection.
-
-Points are in the optical frame of REP-103: x right, y down, z forward.
-"""
+"""The intrinsics of a camera and the distortion of its lens."""
 
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
+PLUMB_BOB = 'plumb_bob'
+RATIONAL_POLYNOMIAL = 'rational_polynomial'
+EQUIDISTANT = 'equidistant'
+
+
+class Lens(NamedTuple):
+    """The distortion of a lens (distortion_model and D of CameraInfo).
+
+    Attributes:
+        model: PLUMB_BOB, RATIONAL_POLYNOMIAL or EQUIDISTANT. `lsc_pose_ros.camera.lens` has the
+            equations.
+        coefficients: as in CameraInfo and OpenCV: k1 k2 p1 p2 k3 of PLUMB_BOB; also k4 k5 k6 and
+            s1 s2 s3 s4 of RATIONAL_POLYNOMIAL; k1 k2 k3 k4 of EQUIDISTANT. Missing ones are 0.
+    """
+
+    model: str
+    coefficients: tuple[float, ...]
 
 
 class Intrinsics(NamedTuple):
-    """Focal lengths and principal point of a pinhole camera (K of CameraInfo).
+    """Focal lengths, principal point and lens of a camera (K and D of CameraInfo).
 
     Attributes:
         fx: horizontal focal length, pixels.
         fy: vertical focal length, pixels.
         cx: column of the principal point, pixels.
         cy: row of the principal point, pixels.
+        lens: the distortion; None for a pinhole camera and for rectified images.
     """
 
     fx: float
     fy: float
     cx: float
     cy: float
-
-
-def back_project(
-    columns: NDArray[np.number],
-    rows: NDArray[np.number],
-    depth: NDArray[np.floating],
-    camera: Intrinsics,
-) -> NDArray[np.float32]:
-    """Return the points, shape (..., 3), of the pixels (columns, rows) at `depth`; metres."""
-    x = (columns - camera.cx) * depth / camera.fx
-    y = (rows - camera.cy) * depth / camera.fy
-    return np.stack([x, y, depth], axis=-1).astype(np.float32)
-
-
-def project(points: NDArray[np.floating], camera: Intrinsics) -> NDArray[np.float32]:
-    """Return the pixels (column, row), shape (..., 2), of `points`, shape (..., 3) in metres.
-
-    A point at or behind the camera (z <= 0) gives NaN.
-    """
-    z = np.where(points[..., 2] > 0, points[..., 2], np.nan)
-    column = camera.cx + camera.fx * points[..., 0] / z
-    row = camera.cy + camera.fy * points[..., 1] / z
-    return np.stack([column, row], axis=-1).astype(np.float32)
+    lens: Lens | None = None

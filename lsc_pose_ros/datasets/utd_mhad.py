@@ -31,7 +31,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics, project
+from lsc_pose_ros.camera.projection import project
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.data_types.skeletons import Skeletons

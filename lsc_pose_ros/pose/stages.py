@@ -36,6 +36,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.joints import leg_pairs
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
@@ -186,7 +187,8 @@ def _cut_out_window(settings: Settings, body: BodyEstimate) -> None:
 
 
 def _find_silhouette(settings: Settings, body: BodyEstimate) -> None:
-    body.silhouette = find_silhouette(body.window, body.camera, settings)
+    rays = image_rays(body.camera, *body.depth.shape)
+    body.silhouette = find_silhouette(body.window, rays, settings)
     if len(body.silhouette.points) < FEWEST_POINTS:
         raise TooLittleVisibleError
 

@@ -27,6 +27,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.camera.rays import ImageRays, image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.segmentation.blobs import BARRIER
@@ -63,30 +64,27 @@ class DepthGrid(NamedTuple):
     """A depth image sampled on a coarse grid.
 
     Attributes:
-        right: u of each column of the grid, shape (C,), float32.
-        down: v of each row, shape (R,), float32.
+        right: u of each sample, shape (R, C), float32.
+        down: v of each sample, shape (R, C), float32.
         depth: metres, 0 if unknown, shape (R, C), float32.
-        solid_angle: the area of one sample in the plane of (u, v).
+        area: the area of each sample in the plane of (u, v), shape (R, C), float32.
     """
 
     right: NDArray[np.float32]
     down: NDArray[np.float32]
     depth: NDArray[np.float32]
-    solid_angle: float
+    area: NDArray[np.float32]
 
 
 def sample_depth(depth: NDArray[np.float32], camera: Intrinsics) -> DepthGrid:
     """Return the grid of a depth image, metres, shape (H, W)."""
     height, width = depth.shape
     stride = max(1, width // SAMPLE_COLUMNS)
-    columns = np.arange(stride // 2, width, stride)
-    rows = np.arange(stride // 2, height, stride)
-    return DepthGrid(
-        ((columns - camera.cx) / camera.fx).astype(np.float32),
-        ((rows - camera.cy) / camera.fy).astype(np.float32),
-        np.ascontiguousarray(depth[rows[0] :: stride, columns[0] :: stride]),
-        stride * stride / (camera.fx * camera.fy),
-    )
+    samples = slice(stride // 2, None, stride)
+    rays = image_rays(camera, height, width)
+    right, down, area = (np.ascontiguousarray(each[1:-1, 1:-1][samples, samples]) for each in rays)
+    sampled = np.ascontiguousarray(depth[samples, samples])
+    return DepthGrid(right, down, sampled, np.float32(stride * stride) * area)
 
 
 def find_background_planes(depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.float32]:
@@ -139,7 +137,7 @@ def propose_plane(grid: DepthGrid, free: NDArray[np.bool_]) -> tuple[NDArray[np.
                     and free[bottom, column + wide]
                 ):
                     continue
-                plane = _plane_through(grid, (row, bottom), (column, column + wide))
+                plane = _plane_through(grid, (row, column), (row, column + wide), (bottom, column))
                 if abs(_distance(grid, plane, bottom, column + wide)) > 1:
                     continue
                 score = _score(points, weights, costs, plane)
@@ -165,10 +163,10 @@ def _score_points(
         for column in range(0, columns, 2):
             z = grid.depth[row, column]
             if z > 0:
-                points[0, count] = grid.right[column]
-                points[1, count] = grid.down[row]
+                points[0, count] = grid.right[row, column]
+                points[1, count] = grid.down[row, column]
                 points[2, count] = z
-                cost = 4 * grid.solid_angle * min(z, np.float32(_FARTHEST_WEIGHT)) ** 2
+                cost = 4 * grid.area[row, column] * min(z, np.float32(_FARTHEST_WEIGHT)) ** 2
                 weights[count] = cost if free[row, column] else 0
                 costs[count] = cost
                 count += 1
@@ -177,23 +175,26 @@ def _score_points(
 
 @kernel
 def _plane_through(
-    grid: DepthGrid, rows: tuple[int, int], columns: tuple[int, int]
+    grid: DepthGrid, first: tuple[int, int], second: tuple[int, int], third: tuple[int, int]
 ) -> NDArray[np.float32]:
-    """Return the plane through three corners of a rectangle of grid, without the last one."""
-    u0, u1 = grid.right[columns[0]], grid.right[columns[1]]
-    v0, v1 = grid.down[rows[0]], grid.down[rows[1]]
-    here = 1 / grid.depth[rows[0], columns[0]]
+    """Return the plane through three samples, given by their rows and columns."""
+    inverse = 1 / grid.depth[first]
+    u1, v1 = grid.right[second] - grid.right[first], grid.down[second] - grid.down[first]
+    u2, v2 = grid.right[third] - grid.right[first], grid.down[third] - grid.down[first]
+    rise1, rise2 = 1 / grid.depth[second] - inverse, 1 / grid.depth[third] - inverse
+    whole = u1 * v2 - u2 * v1
     plane = np.empty(3, np.float32)
-    plane[0] = (1 / grid.depth[rows[0], columns[1]] - here) / (u1 - u0)
-    plane[1] = (1 / grid.depth[rows[1], columns[0]] - here) / (v1 - v0)
-    plane[2] = here - plane[0] * u0 - plane[1] * v0
+    plane[0] = (rise1 * v2 - rise2 * v1) / whole
+    plane[1] = (u1 * rise2 - u2 * rise1) / whole
+    plane[2] = inverse - plane[0] * grid.right[first] - plane[1] * grid.down[first]
     return plane
 
 
 @kernel
 def _inverse_depth(grid: DepthGrid, plane: NDArray[np.float32], row: int, column: int) -> float:
     """Return a u + b v + c: 1 / z of the plane in the direction of a sample."""
-    inverse: float = plane[0] * grid.right[column] + plane[1] * grid.down[row] + plane[2]
+    right, down = grid.right[row, column], grid.down[row, column]
+    inverse: float = plane[0] * right + plane[1] * down + plane[2]
     return inverse
 
 
@@ -236,10 +237,9 @@ def refine_plane(
     suu = suv = su = svv = sv = s1 = ru = rv = r1 = 0.0
     rows, columns = grid.depth.shape
     for row in range(rows):
-        v = float(grid.down[row])
         for column in range(columns):
             if free[row, column] and abs(_distance(grid, plane, row, column)) <= 1:
-                u = float(grid.right[column])
+                u, v = float(grid.right[row, column]), float(grid.down[row, column])
                 inverse = 1.0 / grid.depth[row, column]
                 suu, suv, su = suu + u * u, suv + u * v, su + u
                 svv, sv, s1 = svv + v * v, sv + v, s1 + 1
@@ -275,7 +275,7 @@ def is_boundary(grid: DepthGrid, free: NDArray[np.bool_], plane: NDArray[np.floa
             elif abs(distance) <= 1 and free[row, column]:
                 score += weight
                 cosine = abs(_inverse_depth(grid, plane, row, column)) / norm
-                area += z * z * grid.solid_angle / max(cosine, 0.05)
+                area += z * z * grid.area[row, column] / max(cosine, 0.05)
     floor = plane[1] > FLOOR_SLOPE * norm
     return score > 0 and area >= (FLOOR_AREA if floor else PLANE_AREA)
 
@@ -294,7 +294,7 @@ def mark_plane(grid: DepthGrid, free: NDArray[np.bool_], plane: NDArray[np.float
 def remove_planes(
     depth: NDArray[np.float32],
     planes: NDArray[np.float32],
-    camera: Intrinsics,
+    rays: ImageRays,
     nearest: float,
     farthest: float,
 ) -> NDArray[np.float32]:
@@ -305,18 +305,16 @@ def remove_planes(
     Args:
         depth: metres, 0 if unknown, shape (H, W).
         planes: planes of the room, shape (P, 3).
-        camera: the intrinsics.
+        rays: the rays of the image.
         nearest: metres; nearer pixels are no body.
         farthest: metres; farther pixels are no body.
     """
     height, width = depth.shape
     kept = np.empty((height, width), np.float32)
-    right = np.empty(width, np.float32)
-    for column in range(width):
-        right[column] = (column - camera.cx) / camera.fx
     for row in range(height):
         line, given = kept[row], depth[row]
-        down = np.float32((row - camera.cy) / camera.fy)
+        # The rays have a margin of one pixel.
+        right, down = rays.right[row + 1, 1 : width + 1], rays.down[row + 1, 1 : width + 1]
         for column in range(width):
             z = given[column]
             in_range = nearest <= z <= farthest
@@ -330,17 +328,17 @@ def remove_planes(
 def _block_plane(
     line: NDArray[np.float32],
     right: NDArray[np.float32],
-    down: np.float32,
+    down: NDArray[np.float32],
     plane: NDArray[np.float32],
 ) -> None:
     """Put a BARRIER at the pixels of one row that are on a plane, or below it if it is a floor."""
     a, b, c = plane
     norm = np.sqrt(a * a + b * b + c * c)
-    band, start = np.float32(BAND) * norm, b * down + c
+    band = np.float32(BAND) * norm
     highest = np.float32(np.inf) if b > np.float32(FLOOR_SLOPE) * norm else np.float32(1)
     for column in range(len(line)):
         z = line[column]
-        towards = start + a * right[column]
+        towards = a * right[column] + b * down[column] + c
         behind = (z * towards - 1) / (band + np.float32(NOISE) * z * z * abs(towards))
         if z > 0 and -1 <= behind <= highest:
             line[column] = BARRIER

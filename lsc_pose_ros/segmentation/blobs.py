@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.camera.rays import ImageRays, image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.numerics.jit import kernel
@@ -103,8 +104,9 @@ def find_blobs(depth: NDArray[np.float32], camera: Intrinsics) -> Blobs:
         depth: metres, 0 if unknown, BARRIER for pixels that belong to no blob, shape (H, W).
         camera: the intrinsics.
     """
-    numbers, count = connect_pixels(depth, gap_of(depth.shape[1]), camera)
-    return measure(depth, numbers, count, camera)
+    gap, rays = gap_of(depth.shape[1]), image_rays(camera, *depth.shape)
+    numbers, count = connect_pixels(depth, gap, (float(camera.fx), float(camera.fy)))
+    return measure(depth, numbers, count, rays)
 
 
 def gap_of(width: int) -> int:
@@ -155,7 +157,7 @@ def _add_limbs(
 
 @kernel
 def connect_pixels(
-    depth: NDArray[np.float32], gap: int, camera: Intrinsics
+    depth: NDArray[np.float32], gap: int, focal_lengths: tuple[float, float]
 ) -> tuple[NDArray[np.int32], int]:
     """Return the blob of each pixel, shape (H, W), -1 for none, and the number of blobs.
 
@@ -165,7 +167,7 @@ def connect_pixels(
         depth: metres, 0 if unknown, negative for a barrier, shape (H, W).
         gap: largest distance, in pixels, of connected pixels of a row or column with only pixels
             without depth between them.
-        camera: the intrinsics.
+        focal_lengths: fx and fy, pixels.
     """
     height, width = depth.shape
     numbers = np.empty((height, width), np.int32)
@@ -173,7 +175,7 @@ def connect_pixels(
     count = 0
     # The last pixel with depth, and the pixel that it may hide: of each column, and of the row.
     above, above_hidden = np.full(width, -1, np.int64), np.full(width, -1, np.int64)
-    across, down = HIDDEN_WIDTH * camera.fx, HIDDEN_WIDTH * camera.fy
+    across, down = HIDDEN_WIDTH * focal_lengths[0], HIDDEN_WIDTH * focal_lengths[1]
     for row in range(height):
         left = left_hidden = -1
         for column in range(width):
@@ -283,24 +285,25 @@ def _renumber(numbers: NDArray[np.int32], parents: NDArray[np.int32]) -> int:
 
 @kernel
 def measure(
-    depth: NDArray[np.float32], numbers: NDArray[np.int32], count: int, camera: Intrinsics
+    depth: NDArray[np.float32], numbers: NDArray[np.int32], count: int, rays: ImageRays
 ) -> Blobs:
     """Return the blobs with their sizes.
 
-    A pixel at depth z has an area of z^2 / (fx fy) square metres, as if it faced the camera.
+    The area of a pixel is that of a surface that faces the camera.
 
     Args:
         depth: metres, shape (H, W).
         numbers: the blob of each pixel, -1 for none, shape (H, W).
         count: number of blobs.
-        camera: the intrinsics.
+        rays: the rays of the image.
     """
     pixels = np.zeros(count, np.int64)
     area, total = np.zeros(count), np.zeros(count)
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
     height, width = numbers.shape
     for row in range(height):
-        up_down = (row - camera.cy) / camera.fy
+        # The rays have a margin of one pixel.
+        right, down, pixel_area = rays.right[row + 1], rays.down[row + 1], rays.area[row + 1]
         column = 0
         while column < width:
             blob = numbers[row, column]
@@ -308,27 +311,24 @@ def measure(
                 column += 1
                 continue
             begin = column
-            least_x = least_z = np.inf
-            most_x = most_z = -np.inf
-            sum_z = sum_zz = 0.0
+            least_x = least_y = least_z = np.inf
+            most_x = most_y = most_z = -np.inf
+            sum_z = sum_area = 0.0
             while column < width and numbers[row, column] == blob:
                 z = float(depth[row, column])
-                x = (column - camera.cx) * z
+                x, y = z * right[column + 1], z * down[column + 1]
                 least_x, most_x = min(least_x, x), max(most_x, x)
+                least_y, most_y = min(least_y, y), max(most_y, y)
                 least_z, most_z = min(least_z, z), max(most_z, z)
                 sum_z += z
-                sum_zz += z * z
+                sum_area += z * z * pixel_area[column + 1]
                 column += 1
             pixels[blob] += column - begin
-            area[blob] += sum_zz
+            area[blob] += sum_area
             total[blob] += sum_z
-            low[blob, 0] = min(low[blob, 0], least_x / camera.fx)
-            high[blob, 0] = max(high[blob, 0], most_x / camera.fx)
-            low[blob, 1] = min(low[blob, 1], up_down * least_z, up_down * most_z)
-            high[blob, 1] = max(high[blob, 1], up_down * least_z, up_down * most_z)
-            low[blob, 2] = min(low[blob, 2], least_z)
-            high[blob, 2] = max(high[blob, 2], most_z)
-    area /= camera.fx * camera.fy
+            low[blob, 0], high[blob, 0] = min(low[blob, 0], least_x), max(high[blob, 0], most_x)
+            low[blob, 1], high[blob, 1] = min(low[blob, 1], least_y), max(high[blob, 1], most_y)
+            low[blob, 2], high[blob, 2] = min(low[blob, 2], least_z), max(high[blob, 2], most_z)
     return Blobs(numbers, pixels, area, total / pixels, low, high)
 
 

@@ -18,6 +18,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.segmentation.background_planes import find_background_planes, remove_planes
 from lsc_pose_ros.segmentation.blobs import body_sized, find_blobs, label_bodies
@@ -55,6 +56,7 @@ class NearestBody:
         """
         nearest, farthest = self._range
         planes = find_background_planes(depth, camera)
-        blobs = find_blobs(remove_planes(depth, planes, camera, nearest, farthest), camera)
+        rays = image_rays(camera, *depth.shape)
+        blobs = find_blobs(remove_planes(depth, planes, rays, nearest, farthest), camera)
         bodies = body_sized(blobs)
         return label_bodies(blobs, bodies[np.argsort(blobs.depth[bodies], kind='stable')][:1])

@@ -20,7 +20,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.camera.lens import transform_lens
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -41,7 +41,10 @@ def mirrored(frame: Frame) -> Frame:
     return frame._replace(
         depth=np.ascontiguousarray(frame.depth[:, ::-1]),
         labels=np.ascontiguousarray(frame.labels[:, ::-1]),
-        camera=Intrinsics(camera.fx, camera.fy, width - 1 - camera.cx, camera.cy),
+        camera=camera._replace(
+            cx=width - 1 - camera.cx,
+            lens=camera.lens and transform_lens(camera.lens, np.diag([-1.0, 1.0])),
+        ),
         ground_truth=None
         if frame.ground_truth is None
         else _mirrored_skeletons(frame.ground_truth),

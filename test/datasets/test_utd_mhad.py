@@ -25,8 +25,9 @@ import pytest
 from numpy.typing import NDArray
 
 from lsc_pose_ros.bags import open_recording
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.cli.commands import import_command
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.datasets.utd_mhad import (
@@ -115,7 +116,7 @@ def test_image_and_positions_are_unmirrored(small: Path) -> None:
     for index, name in enumerate(JOINT_ORDER):
         expected[JOINT_NUMBERS[name]] = (-0.01 * index, -0.02 * index, DISTANCE)
     np.testing.assert_allclose(frame.ground_truth.positions[0], expected, atol=1e-6)
-    assert frame.camera == (285.63, 285.63, 159.0, 120.0)
+    assert frame.camera == Intrinsics(285.63, 285.63, 159.0, 120.0)
     assert frame.frame_id == 'camera_depth_optical_frame'
 
 

@@ -20,13 +20,13 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.camera.rays import ImageRays
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 
 
 @kernel
-def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float32]:
+def smooth(window: Window, rays: ImageRays, sigma: float) -> NDArray[np.float32]:
     """Return the window's depth after the Gaussian filter of eq. 1, shape as before.
 
     Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
@@ -34,7 +34,7 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
 
     Args:
         window: the body; its border row and column hold no body.
-        camera: the intrinsics of the whole image.
+        rays: the rays of the whole image.
         sigma: metres; 0 leaves the depth as it is.
     """
     depth = window.depth
@@ -47,16 +47,17 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
             z = depth[i, j]
             if not math.isfinite(z):
                 continue
-            x = (window.column + j - camera.cx) / camera.fx
-            y = (window.row + i - camera.cy) / camera.fy
+            # The rays have a margin of one pixel.
+            row, column = window.row + 1 + i, window.column + 1 + j
+            x, y = rays.right[row, column] * z, rays.down[row, column] * z
             total, weights = 0.0, 0.0
             for di in range(-1, 2):
                 for dj in range(-1, 2):
                     other = depth[i + di, j + dj]
                     if not math.isfinite(other):
                         continue
-                    dx = (x + dj / camera.fx) * other - x * z
-                    dy = (y + di / camera.fy) * other - y * z
+                    dx = rays.right[row + di, column + dj] * other - x
+                    dy = rays.down[row + di, column + dj] * other - y
                     dz = other - z
                     weight = math.exp(scale * (dx * dx + dy * dy + dz * dz))
                     total += weight * other

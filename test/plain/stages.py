@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.camera.rays import ImageRays, image_rays
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.features.nearest_bin import quantise
@@ -69,12 +69,12 @@ def stages_with_plain_kernels(settings: Settings) -> tuple[str, ...]:
     return (SILHOUETTE, DESCRIPTORS, MODES) if _paper(settings) else (SILHOUETTE, MODES)
 
 
-def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+def find_silhouette(window: Window, rays: ImageRays, settings: Settings) -> Silhouette:
     """Return the silhouette of the body in `window`, smoothed by the plain kernel."""
     solid = remove_flying_pixels(window, settings)
     fitted = fitted_to_noise(solid, settings)
-    smoothed = silhouette.smooth(solid, camera, fitted.smoothing_sigma)
-    return silhouette_in(solid._replace(depth=smoothed), camera, fitted)
+    smoothed = silhouette.smooth(solid, rays, fitted.smoothing_sigma)
+    return silhouette_in(solid._replace(depth=smoothed), rays, fitted)
 
 
 def describe(
@@ -105,7 +105,8 @@ def _paper(settings: Settings) -> bool:
 
 
 def _find_silhouette(settings: Settings, body: BodyEstimate) -> None:
-    body.silhouette = find_silhouette(body.window, body.camera, settings)
+    rays = image_rays(body.camera, *body.depth.shape)
+    body.silhouette = find_silhouette(body.window, rays, settings)
     if len(body.silhouette.points) < FEWEST_POINTS:
         raise TooLittleVisibleError
 

@@ -18,7 +18,7 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.pose.estimator import Estimator, bodies_in
 from lsc_pose_ros.pose.stages import FEWEST_POINTS

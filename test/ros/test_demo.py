@@ -30,7 +30,7 @@ from lsc_pose_ros import demo
 from lsc_pose_ros.bags import RecordingWriter, SerializedMessage, open_recording
 from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.serialize import skeletons_message
-from lsc_pose_ros.data_types.camera import back_project
+from lsc_pose_ros.camera.projection import back_project
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.messages.type_names import POINT_CLOUD

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 from room_scene import Person, Room, empty_room, look, settings
 
+from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.segmentation.background_planes import (
     BAND,
@@ -111,7 +112,7 @@ def test_same_image_gives_the_same_planes() -> None:
 
 def numpy_distances(grid, plane: np.ndarray) -> np.ndarray:
     """Return the distances of samples behind a plane, in units of the tolerance."""
-    u, v = np.meshgrid(grid.right.astype(float), grid.down.astype(float))
+    u, v = grid.right.astype(float), grid.down.astype(float)
     towards = plane[0] * u + plane[1] * v + plane[2]
     z = grid.depth.astype(float)
     return (z * towards - 1) / (BAND * np.linalg.norm(plane) + NOISE * z**2 * np.abs(towards))
@@ -127,7 +128,7 @@ def test_proposed_plane_has_the_score_of_numpy(seed: int) -> None:
     every_second = np.s_[::2, ::2]
     distance = numpy_distances(grid, plane.astype(float))[every_second]
     depth = grid.depth[every_second]
-    weight = 4 * grid.solid_angle * np.minimum(depth, 4.0) ** 2
+    weight = 4 * grid.area[every_second] * np.minimum(depth, 4.0) ** 2
     on_it = (np.abs(distance) <= 1) & (depth > 0)
     expected = weight[on_it].sum() - weight[(distance > 2) & (depth > 0)].sum()
     assert score == pytest.approx(expected, rel=1e-3)
@@ -141,7 +142,7 @@ def test_refined_plane_is_the_least_squares_plane() -> None:
     plane, _ = propose_plane(grid, free)
     refined = refine_plane(grid, free, plane)
     on_it = free & (np.abs(numpy_distances(grid, plane.astype(float))) <= 1)
-    u, v = np.meshgrid(grid.right.astype(float), grid.down.astype(float))
+    u, v = grid.right.astype(float), grid.down.astype(float)
     matrix = np.stack([u[on_it], v[on_it], np.ones(on_it.sum())], axis=1)
     expected, *_ = np.linalg.lstsq(matrix, 1 / grid.depth[on_it].astype(float), rcond=None)
     np.testing.assert_allclose(refined, expected, rtol=1e-3, atol=1e-4)
@@ -165,7 +166,7 @@ def test_removed_pixels_are_those_of_numpy(seed: int) -> None:
     depth = random.uniform(0.2, 6.0, (40, 64)).astype(np.float32)
     depth[random.random(depth.shape) < 0.2] = 0
     planes = np.array([[0, 0.9, 0.1], [0.1, 0, 0.3], [0.4, 0.05, 0.1]], np.float32)[: seed + 1]
-    found = remove_planes(depth, planes, camera, 0.4, 5.0)
+    found = remove_planes(depth, planes, image_rays(camera, *depth.shape), 0.4, 5.0)
     columns, rows = np.meshgrid(np.arange(64.0), np.arange(40.0))
     u, v = (columns - camera.cx) / camera.fx, (rows - camera.cy) / camera.fy
     z = depth.astype(float)

@@ -20,7 +20,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.camera import Intrinsics, back_project
+from lsc_pose_ros.camera.projection import back_project
+from lsc_pose_ros.camera.rays import image_rays
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.segmentation import blobs as module
 from lsc_pose_ros.segmentation.blobs import (
@@ -36,6 +38,7 @@ from lsc_pose_ros.segmentation.blobs import (
 )
 
 CAMERA = Intrinsics(60.0, 62.0, 31.0, 23.0)
+FOCAL_LENGTHS = (CAMERA.fx, CAMERA.fy)
 GAP = 3
 
 
@@ -121,7 +124,7 @@ def random_depth(seed: int, shape: tuple[int, int] = (24, 32)) -> np.ndarray:
 @pytest.mark.parametrize('seed', range(30))
 def test_blobs_are_those_of_plain_python(seed: int) -> None:
     depth = random_depth(seed)
-    numbers, count = connect_pixels(depth, GAP, CAMERA)
+    numbers, count = connect_pixels(depth, GAP, FOCAL_LENGTHS)
     expected = plain_connect(depth, GAP, CAMERA)
     np.testing.assert_array_equal(numbers, expected)
     assert count == expected.max() + 1
@@ -139,10 +142,10 @@ def test_blobs_are_those_of_plain_python(seed: int) -> None:
 )
 def test_degenerate_images(depth: np.ndarray) -> None:
     depth = depth.astype(np.float32)
-    numbers, count = connect_pixels(depth, GAP, CAMERA)
+    numbers, count = connect_pixels(depth, GAP, FOCAL_LENGTHS)
     if np.isfinite(depth).all():
         np.testing.assert_array_equal(numbers, plain_connect(depth, GAP, CAMERA))
-    blobs = measure(depth, numbers, count, CAMERA)
+    blobs = measure(depth, numbers, count, image_rays(CAMERA, *depth.shape))
     assert len(blobs.area) == count
     assert (label_bodies(blobs, np.array([], np.int64)) == NO_BODY).all()
 
@@ -157,7 +160,7 @@ def test_spiral_is_one_blob() -> None:
         depth[low + 2, low : low + 3] = 1.5
         low, high = low + 2, high - 2
     depth = depth.astype(np.float32)
-    numbers, count = connect_pixels(depth, 1, CAMERA)
+    numbers, count = connect_pixels(depth, 1, FOCAL_LENGTHS)
     assert count == plain_connect(depth, 1, CAMERA).max() + 1 == 1
     assert ((numbers == 0) == (depth > 0)).all()
 
@@ -167,7 +170,7 @@ def test_trunk_behind_an_arm_is_one_but_two_people_are_not() -> None:
     depth[4:44, 20:40] = 2.0
     depth[20:24, 10:50] = 1.6  # the arm, 4 / 62 * 2.0 = 13 cm
     arm = depth.astype(np.float32)
-    numbers, _ = connect_pixels(arm, GAP, CAMERA)
+    numbers, _ = connect_pixels(arm, GAP, FOCAL_LENGTHS)
     assert numbers[10, 30] == numbers[40, 30] != numbers[22, 30]
     depth[20:32, 10:50] = 1.6  # 39 cm
     numbers, _ = connect_pixels(depth.astype(np.float32), GAP, CAMERA)
@@ -177,12 +180,12 @@ def test_trunk_behind_an_arm_is_one_but_two_people_are_not() -> None:
 def test_a_gap_is_bridged_but_a_barrier_is_not() -> None:
     line = np.full((1, 20), 2.0, np.float32)
     line[0, 5:7] = 0
-    assert connect_pixels(line, GAP, CAMERA)[1] == 1
+    assert connect_pixels(line, GAP, FOCAL_LENGTHS)[1] == 1
     line[0, 5:8] = 0
-    assert connect_pixels(line, GAP, CAMERA)[1] == 2
+    assert connect_pixels(line, GAP, FOCAL_LENGTHS)[1] == 2
     line[0, 5:8] = 2.0
     line[0, 6] = BARRIER
-    assert connect_pixels(line, GAP, CAMERA)[1] == 2
+    assert connect_pixels(line, GAP, FOCAL_LENGTHS)[1] == 2
 
 
 @pytest.mark.parametrize('seed', range(5))

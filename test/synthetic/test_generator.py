@@ -21,7 +21,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.errors import InputError

@@ -16,7 +16,7 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.training.mirror import mirrored, with_mirrored

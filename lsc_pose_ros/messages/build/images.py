@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.camera import PLUMB_BOB, Intrinsics, Lens
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.build.headers import build_header
@@ -86,7 +86,7 @@ def build_mask(
 def build_camera_info(
     classes: MessageClasses, stamp: int, frame_id: str, camera: Intrinsics, shape: tuple[int, ...]
 ) -> Any:  # noqa: ANN401
-    """Return a sensor_msgs/CameraInfo without distortion.
+    """Return a sensor_msgs/CameraInfo; its P is the same camera without distortion.
 
     Args:
         classes: the message classes.
@@ -95,13 +95,15 @@ def build_camera_info(
         camera: the intrinsics.
         shape: height and width of the images.
     """
-    fx, fy, cx, cy = camera
+    fx, fy, cx, cy, lens = camera
+    if lens is None:
+        lens = Lens(PLUMB_BOB, (0.0,) * 5)
     return classes.find(CAMERA_INFO)(
         header=build_header(classes, stamp, frame_id),
         height=int(shape[0]),
         width=int(shape[1]),
-        distortion_model='plumb_bob',
-        d=np.zeros(5),
+        distortion_model=lens.model,
+        d=np.array(lens.coefficients, np.float64),
         k=np.array([fx, 0, cx, 0, fy, cy, 0, 0, 1], np.float64),
         r=np.eye(3).reshape(-1),
         p=np.array([fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0], np.float64),

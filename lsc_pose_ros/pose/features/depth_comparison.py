@@ -29,7 +29,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 
@@ -91,7 +90,7 @@ def offset_pool(pairs: int, reach: float, seed: int) -> OffsetPool:
 
 @kernel
 def compare_depths(
-    window: Window, pixels: NDArray[np.int32], pool: OffsetPool, camera: Intrinsics
+    window: Window, pixels: NDArray[np.int32], pool: OffsetPool, focal_lengths: tuple[float, float]
 ) -> NDArray[np.uint8]:
     """Return the quantised depth comparisons of some of the body's pixels, shape (Q, pairs).
 
@@ -102,14 +101,15 @@ def compare_depths(
         window: the body.
         pixels: row and column in the window, each on the body, shape (Q, 2).
         pool: pairs of offsets.
-        camera: the intrinsics.
+        focal_lengths: fx and fy, pixels. The distortion of a lens is ignored over the short
+            distance of an offset.
     """
     quantised = np.empty((pixels.shape[0], pool.first.shape[0]), np.uint8)
     found = np.empty(pool.offsets.shape[0], np.float32)
     for q in range(pixels.shape[0]):
         row, column = pixels[q, 0], pixels[q, 1]
         depth = window.depth[row, column]
-        per_metre_x, per_metre_y = camera.fx / depth, camera.fy / depth
+        per_metre_x, per_metre_y = focal_lengths[0] / depth, focal_lengths[1] / depth
         for k in range(found.shape[0]):
             x, y = pool.offsets[k, 0] * per_metre_x, pool.offsets[k, 1] * per_metre_y
             found[k] = _probe(window.depth, row + y, column + x)

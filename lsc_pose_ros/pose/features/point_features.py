@@ -114,7 +114,8 @@ def _depth_comparison(
     window, kept = silhouette.smoothed, silhouette.chosen[queries]
     rows, columns = silhouette.rows[kept] - window.row, silhouette.columns[kept] - window.column
     pool = offset_pool(settings.offset_pairs, settings.offset_reach, settings.offset_seed)
-    return compare_depths(window, np.stack([rows, columns], axis=1), pool, camera)
+    pixels = np.stack([rows, columns], axis=1)
+    return compare_depths(window, pixels, pool, (float(camera.fx), float(camera.fy)))
 
 
 def _mixed(

@@ -22,7 +22,8 @@ body ends. So the closer an estimated joint is to the cut, the less reliable it 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics, project
+from lsc_pose_ros.camera.projection import project
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 
 # At these distances of a joint from a cut, metres, the confidence is multiplied by these factors:

@@ -16,12 +16,12 @@
 """The silhouette of one body: smoothed depth, edge pixels, N points of them (section 2.1)."""
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics, back_project
+from lsc_pose_ros.camera.rays import ImageRays
 from lsc_pose_ros.numerics.fast_math import exp_neg
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.settings import Settings
@@ -116,7 +116,7 @@ def _cut(
 
 
 @kernel
-def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float32]:
+def smooth(window: Window, rays: ImageRays, sigma: float) -> NDArray[np.float32]:
     """Return the window's depth after the Gaussian filter of eq. 1, shape as before.
 
     Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
@@ -125,7 +125,7 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
 
     Args:
         window: the body; its border row and column hold no body.
-        camera: the intrinsics of the whole image.
+        rays: the rays of the whole image.
         sigma: metres; 0 leaves the depth unchanged.
     """
     depth = window.depth
@@ -133,39 +133,48 @@ def smooth(window: Window, camera: Intrinsics, sigma: float) -> NDArray[np.float
     if sigma <= 0:
         return smoothed
     scale = np.float32(0.5 / (sigma * sigma))
-    count = depth.shape[1] - 2
-    # The directions of the row's pixels: x / z and y / z.
-    right = np.empty(count, np.float32)
-    for j in range(count):
-        right[j] = (window.column + 1 + j - camera.cx) / camera.fx
+    height, width = depth.shape
+    count = width - 2
+    x, y = _back_project_window(window, rays)
     total, weights = np.empty(count, np.float32), np.empty(count, np.float32)
-    for i in range(1, depth.shape[0] - 1):
-        down = np.float32((window.row + i - camera.cy) / camera.fy)
-        centre = depth[i, 1 : count + 1]
-        total[:] = centre
+    for i in range(1, height - 1):
+        centre = x[i, 1 : 1 + count], y[i, 1 : 1 + count], depth[i, 1 : 1 + count]
+        total[:] = centre[2]
         weights[:] = 1
-        for di in range(-1, 2):
-            for dj in range(-1, 2):
-                if di != 0 or dj != 0:
-                    right_step, down_step = np.float32(dj / camera.fx), np.float32(di / camera.fy)
-                    other = depth[i + di, 1 + dj : count + 1 + dj]
-                    _add_neighbours(
-                        centre, other, right, down, right_step, down_step, scale, total, weights
-                    )
+        for row in range(i - 1, i + 2):
+            for first in range(3):
+                if row != i or first != 1:
+                    last = first + count
+                    other = x[row, first:last], y[row, first:last], depth[row, first:last]
+                    _add_neighbours(centre, other, scale, total, weights)
         for j in range(count):
-            if centre[j] < _LARGEST_DEPTH:
+            if centre[2][j] < _LARGEST_DEPTH:
                 smoothed[i, j + 1] = total[j] / weights[j]
     return smoothed
 
 
 @kernel
+def _back_project_window(
+    window: Window, rays: ImageRays
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return x and y of the window's pixels, metres, shape as the window each."""
+    x, y = np.empty_like(window.depth), np.empty_like(window.depth)
+    first = window.column + 1  # the rays have a margin of one pixel
+    for i in range(x.shape[0]):
+        right, down = rays.right[window.row + 1 + i], rays.down[window.row + 1 + i]
+        for j in range(x.shape[1]):
+            x[i, j] = right[first + j] * window.depth[i, j]
+            y[i, j] = down[first + j] * window.depth[i, j]
+    return x, y
+
+
+_Row: TypeAlias = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
+
+
+@kernel
 def _add_neighbours(
-    centre: NDArray[np.float32],
-    other: NDArray[np.float32],
-    right: NDArray[np.float32],
-    down: np.float32,
-    right_step: np.float32,
-    down_step: np.float32,
+    centre: _Row,
+    other: _Row,
     scale: np.float32,
     total: NDArray[np.float32],
     weights: NDArray[np.float32],
@@ -173,26 +182,22 @@ def _add_neighbours(
     """Add one neighbour of each pixel of a row to the weighted sums.
 
     Args:
-        centre: the row's depth, metres, shape (n,).
-        other: the neighbours' depth, likewise.
-        right: x / z of the row's pixels, shape (n,).
-        down: y / z of the row.
-        right_step: x / z of the neighbours minus that of the pixels.
-        down_step: y / z likewise.
+        centre: x, y and z of the row's pixels, metres, shape (n,) each.
+        other: the neighbours', likewise.
         scale: 1 / (2 sigma^2).
         total: the weighted sums of depths; changed.
         weights: the sums of weights; changed.
     """
-    for j in range(len(centre)):
-        dz = other[j] - centre[j]
-        dx = right[j] * dz + right_step * other[j]
-        dy = down * dz + down_step * other[j]
+    x, y, z = centre
+    other_x, other_y, other_z = other
+    for j in range(len(z)):
+        dx, dy, dz = other_x[j] - x[j], other_y[j] - y[j], other_z[j] - z[j]
         weight = exp_neg(scale * (dx * dx + dy * dy + dz * dz))
         # Without branches infinity and NaN pass through the arithmetic; here they are left out.
-        valid = other[j] < _LARGEST_DEPTH
+        valid = other_z[j] < _LARGEST_DEPTH
         weight = weight if valid else np.float32(0)
         weights[j] += weight
-        total[j] += weight * (other[j] if valid else np.float32(0))
+        total[j] += weight * (other_z[j] if valid else np.float32(0))
 
 
 @kernel
@@ -236,7 +241,7 @@ def choose_uniformly(available: int, wanted: int) -> NDArray[np.int64]:
     return (np.arange(count) * available + available // 2) // max(count, 1)
 
 
-def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+def find_silhouette(window: Window, rays: ImageRays, settings: Settings) -> Silhouette:
     """Return the silhouette of the body in `window`: eq. 1, eq. 2 and the choice of N points.
 
     Depending on the settings, flying pixels are removed first, and sigma and t_d grow with the
@@ -244,11 +249,11 @@ def find_silhouette(window: Window, camera: Intrinsics, settings: Settings) -> S
     """
     solid = remove_flying_pixels(window, settings)
     settings = fitted_to_noise(solid, settings)
-    smoothed = smooth(solid, camera, settings.smoothing_sigma)
-    return silhouette_in(solid._replace(depth=smoothed), camera, settings)
+    smoothed = smooth(solid, rays, settings.smoothing_sigma)
+    return silhouette_in(solid._replace(depth=smoothed), rays, settings)
 
 
-def silhouette_in(smoothed: Window, camera: Intrinsics, settings: Settings) -> Silhouette:
+def silhouette_in(smoothed: Window, rays: ImageRays, settings: Settings) -> Silhouette:
     """Return the silhouette of the body in a smoothed window.
 
     If `Settings.sample` is 'body', the points are evenly spread over all of its pixels.
@@ -262,5 +267,6 @@ def silhouette_in(smoothed: Window, camera: Intrinsics, settings: Settings) -> S
     chosen = choose_uniformly(len(edges), settings.points)
     kept = edges[chosen]
     depth = smoothed.depth[kept[:, 0], kept[:, 1]]
-    points = back_project(columns[chosen], rows[chosen], depth, camera)
+    at = rows[chosen] + 1, columns[chosen] + 1  # the rays have a margin of one pixel
+    points = np.stack([rays.right[at] * depth, rays.down[at] * depth, depth], axis=-1)
     return Silhouette(smoothed, rows, columns, points, chosen)

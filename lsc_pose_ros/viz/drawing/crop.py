@@ -21,7 +21,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.frame import Frame
 
 _MARGIN = 0.07

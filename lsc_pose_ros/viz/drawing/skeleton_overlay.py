@@ -23,7 +23,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patheffects import Normal, Stroke
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics, project
+from lsc_pose_ros.camera.projection import project
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.joints import default_edges, names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.viz.drawing.colours import (

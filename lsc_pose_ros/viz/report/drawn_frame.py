@@ -21,7 +21,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
+from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.evaluation.evaluate import joint_errors
@@ -82,7 +83,8 @@ def silhouette_pixels(frame: Frame, settings: Settings) -> NDArray[np.float32]:
     for body in bodies_in(frame.labels):
         window = cut_out(frame.depth, frame.labels, int(body), settings.fill_holes)
         if window is not None:
-            silhouette = find_silhouette(window, frame.camera, settings)
+            rays = image_rays(frame.camera, *frame.depth.shape)
+            silhouette = find_silhouette(window, rays, settings)
             pixels.append(project(silhouette.points, frame.camera))
     return np.concatenate(pixels)
 

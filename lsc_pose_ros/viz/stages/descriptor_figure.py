@@ -28,7 +28,7 @@ from matplotlib.patches import Circle
 from matplotlib.projections.polar import PolarAxes
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.pose.features.point_features import describe_points
 from lsc_pose_ros.pose.features.shape_context_3d import (
     AZIMUTH_BINS,

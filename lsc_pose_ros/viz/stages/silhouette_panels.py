@@ -20,7 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.image import AxesImage
 from matplotlib.ticker import MaxNLocator
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.viz.drawing.canvas import hide_axes
 from lsc_pose_ros.viz.drawing.colours import DIVERGING, EDGE, FAINT, MIDDLE, SEQUENTIAL
 from lsc_pose_ros.viz.drawing.crop import look_at

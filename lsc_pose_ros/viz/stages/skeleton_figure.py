@@ -20,7 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import back_project, project
+from lsc_pose_ros.camera.projection import back_project, project
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.viz.drawing.canvas import hide_axes, new_figure
 from lsc_pose_ros.viz.drawing.colours import BORDER

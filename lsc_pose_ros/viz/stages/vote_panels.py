@@ -19,7 +19,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import project
+from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.pose.forest.votes import Votes
 from lsc_pose_ros.pose.model import Model

@@ -33,6 +33,7 @@ from lsc_pose_ros.pose.features.depth_comparison import (
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 
 CAMERA = Intrinsics(120.0, 125.0, 31.5, 23.5)
+FOCAL_LENGTHS = (CAMERA.fx, CAMERA.fy)
 
 
 def compare_twin(depth: np.ndarray, pixels: np.ndarray, pool: OffsetPool) -> np.ndarray:
@@ -69,7 +70,7 @@ def a_body(seed: int) -> np.ndarray:
 
 def check(depth: np.ndarray, pool: OffsetPool) -> None:
     pixels = np.argwhere(np.isfinite(depth)).astype(np.int32)[::7]
-    quantised = compare_depths(Window(depth, 3, -1), pixels, pool, CAMERA)
+    quantised = compare_depths(Window(depth, 3, -1), pixels, pool, FOCAL_LENGTHS)
     assert quantised.shape == (len(pixels), len(pool.first))
     apart = np.abs(quantised - compare_twin(depth, pixels, pool))
     # Half a level by rounding; a position at the very border of two pixels may fall into either.
@@ -89,7 +90,9 @@ def test_depth_differences_of_degenerate_bodies() -> None:
     flat[1:4, 1:4] = 1e-3  # as near as that, every offset leads out of the image
     for depth in (empty, single, flat):
         check(depth, pool)
-    assert set(compare_depths(Window(flat, 0, 0), np.ones((1, 2), np.int32), pool, CAMERA)[0]) <= {
+    assert set(
+        compare_depths(Window(flat, 0, 0), np.ones((1, 2), np.int32), pool, FOCAL_LENGTHS)[0]
+    ) <= {
         0,
         MIDDLE,
         255,
@@ -103,7 +106,7 @@ def test_a_step_in_depth_gives_its_size() -> None:
     right = OffsetPool(offsets, np.array([1], np.int32), np.array([0], np.int32))
     for column, expected in ((8, MIDDLE + 0.4 / DEPTH_STEP), (2, MIDDLE), (15, 255)):
         pixel = np.array([[10, column]], np.int32)
-        assert compare_depths(Window(depth, 0, 0), pixel, right, CAMERA)[0, 0] == expected
+        assert compare_depths(Window(depth, 0, 0), pixel, right, FOCAL_LENGTHS)[0, 0] == expected
 
 
 def test_twice_as_far_an_offset_is_half_as_many_pixels() -> None:
@@ -111,9 +114,9 @@ def test_twice_as_far_an_offset_is_half_as_many_pixels() -> None:
     near = np.full((41, 41), 2.0, np.float32)
     near[:, 25:] = np.inf
     pixel = np.array([[20, 20]], np.int32)
-    whole = compare_depths(Window(near, 0, 0), pixel, pool, CAMERA)
-    camera = Intrinsics(2 * CAMERA.fx, 2 * CAMERA.fy, 0.0, 0.0)
-    far = compare_depths(Window(2 * near, 0, 0), pixel, pool, camera)
+    whole = compare_depths(Window(near, 0, 0), pixel, pool, FOCAL_LENGTHS)
+    doubled = (2 * CAMERA.fx, 2 * CAMERA.fy)
+    far = compare_depths(Window(2 * near, 0, 0), pixel, pool, doubled)
     np.testing.assert_array_equal(whole, far)
 
 

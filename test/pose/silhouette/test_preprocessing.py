@@ -22,6 +22,7 @@ import numpy as np
 import pytest
 from ragged_body import ragged_body
 
+from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.pose.settings import Settings
@@ -36,6 +37,7 @@ from lsc_pose_ros.pose.silhouette.silhouette import Silhouette, cut_out, find_si
 from lsc_pose_ros.pose.stages import describe_body
 
 CAMERA = Intrinsics(280.0, 285.0, 30.0, 20.0)
+RAYS = image_rays(CAMERA, 100, 100)  # no image is larger
 BODY = 3
 
 
@@ -121,10 +123,10 @@ def test_the_silhouette_has_no_flying_pixels_if_the_settings_remove_them() -> No
     flying[8:22:2, 22] = True  # every other pixel along one side, on the way to the wall
     depth[flying] = 2.6
     window = window_of(*whole_body(depth))
-    silhouette = find_silhouette(window, CAMERA, Settings(fewest_neighbours=3))
+    silhouette = find_silhouette(window, RAYS, Settings(fewest_neighbours=3))
     assert set(silhouette.columns.tolist()) == set(range(8, 22))
     assert len(silhouette.points) == 4 * 13  # corners have three neighbours
-    raw = find_silhouette(window, CAMERA, Settings(fewest_neighbours=0))
+    raw = find_silhouette(window, RAYS, Settings(fewest_neighbours=0))
     assert flying[raw.rows, raw.columns].sum() == 7
 
 
@@ -234,23 +236,23 @@ def test_sigma_and_the_edge_threshold_are_at_least_a_multiple_of_the_noise(
 ) -> None:
     window = uneven_window(0)
     factor = least / depth_noise(window.depth)
-    found = find_silhouette(window, CAMERA, Settings(noise_factor=factor))
+    found = find_silhouette(window, RAYS, Settings(noise_factor=factor))
     asked = Settings(smoothing_sigma=sigma, edge_threshold=threshold)
-    expected = find_silhouette(window, CAMERA, asked)
+    expected = find_silhouette(window, RAYS, asked)
     np.testing.assert_allclose(found.smoothed.depth, expected.smoothed.depth, atol=1e-5)
     np.testing.assert_array_equal(found.rows, expected.rows)
     np.testing.assert_array_equal(found.columns, expected.columns)
     # Neither of the two could be another.
-    rougher = find_silhouette(window, CAMERA, asked._replace(smoothing_sigma=0.8 * sigma))
+    rougher = find_silhouette(window, RAYS, asked._replace(smoothing_sigma=0.8 * sigma))
     assert not np.allclose(found.smoothed.depth, rougher.smoothed.depth, atol=1e-3)
-    lower = find_silhouette(window, CAMERA, asked._replace(edge_threshold=0.8 * threshold))
+    lower = find_silhouette(window, RAYS, asked._replace(edge_threshold=0.8 * threshold))
     assert len(lower.rows) > len(found.rows) > 0
 
 
 def test_a_body_without_noise_is_smoothed_with_the_usual_sigma() -> None:
     window = window_of(*whole_body(np.full((9, 9), 2.0)))
-    plain = find_silhouette(window, CAMERA, Settings())
-    assert same_silhouette(find_silhouette(window, CAMERA, Settings(noise_factor=4.0)), plain)
+    plain = find_silhouette(window, RAYS, Settings())
+    assert same_silhouette(find_silhouette(window, RAYS, Settings(noise_factor=4.0)), plain)
 
 
 def test_flying_pixels_are_no_noise() -> None:
@@ -264,7 +266,7 @@ def test_flying_pixels_are_no_noise() -> None:
     least = 10.0 * depth_noise(solid.depth)
     asked = Settings(smoothing_sigma=least, edge_threshold=least)
     assert same_silhouette(
-        find_silhouette(window, CAMERA, settings), find_silhouette(solid, CAMERA, asked)
+        find_silhouette(window, RAYS, settings), find_silhouette(solid, RAYS, asked)
     )
 
 

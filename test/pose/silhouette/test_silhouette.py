@@ -20,7 +20,9 @@ import pytest
 from plain import silhouette as plain
 from ragged_body import ragged_body
 
-from lsc_pose_ros.data_types.camera import Intrinsics, back_project
+from lsc_pose_ros.camera.projection import back_project
+from lsc_pose_ros.camera.rays import image_rays
+from lsc_pose_ros.data_types.camera import RATIONAL_POLYNOMIAL, Intrinsics, Lens
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 from lsc_pose_ros.pose.silhouette.silhouette import (
@@ -32,13 +34,15 @@ from lsc_pose_ros.pose.silhouette.silhouette import (
 )
 
 CAMERA = Intrinsics(280.0, 285.0, 30.0, 20.0)
+LENS = Lens(RATIONAL_POLYNOMIAL, (0.5, -0.3, 0.01, -0.02, 0.1, 0.8, -0.1, 0.02))
+CAMERAS = (CAMERA, Intrinsics(80.0, 85.0, 25.0, 20.0, LENS))
 
 
-def smooth_twin(depth: np.ndarray, window: Window, sigma: float) -> np.ndarray:
+def smooth_twin(depth: np.ndarray, window: Window, camera: Intrinsics, sigma: float) -> np.ndarray:
     """Equation 1 with all points back-projected first."""
     rows, columns = np.indices(depth.shape)
     flat = np.where(np.isfinite(depth), depth, 0)
-    points = back_project(columns + window.column, rows + window.row, flat, CAMERA).astype(float)
+    points = back_project(columns + window.column, rows + window.row, flat, camera).astype(float)
     result = depth.copy()
     for i, j in np.argwhere(np.isfinite(depth)):
         near = np.s_[i - 1 : i + 2, j - 1 : j + 2]
@@ -83,13 +87,15 @@ def test_cut_out_of_nobody_is_none() -> None:
 
 @pytest.mark.parametrize('seed', range(5))
 @pytest.mark.parametrize('sigma', [0.005, 0.02, 1.0])
-def test_smooth_is_equation_1(seed: int, sigma: float) -> None:
+@pytest.mark.parametrize('camera', CAMERAS)
+def test_smooth_is_equation_1(seed: int, sigma: float, camera: Intrinsics) -> None:
     depth, labels = ragged_body(seed)
     window = cut_out(depth, labels, 3)
     assert window is not None
-    expected = smooth_twin(window.depth, window, sigma)
+    expected = smooth_twin(window.depth, window, camera, sigma)
+    rays = image_rays(camera, *depth.shape)
     for function in (smooth, plain.smooth):
-        np.testing.assert_allclose(function(window, CAMERA, sigma), expected, atol=2e-5)
+        np.testing.assert_allclose(function(window, rays, sigma), expected, atol=2e-5)
 
 
 def test_smooth_with_sigma_zero_and_of_one_pixel_changes_nothing() -> None:
@@ -99,7 +105,9 @@ def test_smooth_with_sigma_zero_and_of_one_pixel_changes_nothing() -> None:
     window = cut_out(depth, labels, 0)
     assert window is not None
     for sigma in (0.0, 0.02):
-        np.testing.assert_array_equal(smooth(window, CAMERA, sigma), window.depth)
+        np.testing.assert_array_equal(
+            smooth(window, image_rays(CAMERA, 5, 5), sigma), window.depth
+        )
 
 
 @pytest.mark.parametrize('seed', range(5))
@@ -137,19 +145,17 @@ def test_points_are_chosen_evenly(available: int, wanted: int) -> None:
     assert gaps.size == 0 or gaps.max() - gaps.min() <= 1
 
 
-def test_silhouette_points_are_the_back_projected_pixels() -> None:
+@pytest.mark.parametrize('camera', CAMERAS)
+def test_silhouette_points_are_the_back_projected_pixels(camera: Intrinsics) -> None:
     depth, labels = ragged_body(1)
     window = cut_out(depth, labels, 3)
     assert window is not None
-    silhouette = find_silhouette(window, CAMERA, Settings(points=50))
+    rays = image_rays(camera, *depth.shape)
+    silhouette = find_silhouette(window, rays, Settings(points=50))
     assert silhouette.points.shape == (50, 3)
     rows, columns = silhouette.rows[silhouette.chosen], silhouette.columns[silhouette.chosen]
     z = silhouette.points[:, 2]
-    np.testing.assert_allclose(
-        silhouette.points[:, 0], (columns - CAMERA.cx) * z / CAMERA.fx, rtol=1e-5
-    )
-    np.testing.assert_allclose(
-        silhouette.points[:, 1], (rows - CAMERA.cy) * z / CAMERA.fy, rtol=1e-5
-    )
-    smoothed = smooth(window, CAMERA, Settings().smoothing_sigma)
+    expected = back_project(columns, rows, z, camera)
+    np.testing.assert_allclose(silhouette.points, expected, rtol=1e-5)
+    smoothed = smooth(window, rays, Settings().smoothing_sigma)
     np.testing.assert_allclose(z, smoothed[rows - window.row, columns - window.column])

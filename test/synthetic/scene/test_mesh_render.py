@@ -18,7 +18,8 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.camera import Intrinsics, project
+from lsc_pose_ros.camera.projection import project
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.synthetic.body.body_file import BodyModel, load_body

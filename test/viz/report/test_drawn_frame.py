@@ -18,7 +18,8 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.camera import Intrinsics, project
+from lsc_pose_ros.camera.projection import project
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.pose.settings import Settings

@@ -19,7 +19,8 @@ import numpy as np
 import pytest
 from plain.density import density
 
-from lsc_pose_ros.data_types.camera import Intrinsics, back_project
+from lsc_pose_ros.camera.projection import back_project
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.viz.stages.density_figure import line_integral
 
 

@@ -1,0 +1,71 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The rays of all pixels of an image: a table that is computed once for each camera."""
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.camera.projection import directions_of
+from lsc_pose_ros.data_types.camera import Intrinsics
+
+# Tables are kept for so many cameras; one of 640 x 480 pixels has 3.7 MB.
+_CAMERAS = 8
+
+
+class ImageRays(NamedTuple):
+    """The directions of the rays of an image's pixels, with a margin of one pixel on each side.
+
+    The element [1 + row, 1 + column] belongs to a pixel. The margin serves windows, whose border
+    can be outside of the image.
+
+    Attributes:
+        right: X / Z of each ray, shape (H + 2, W + 2).
+        down: Y / Z of each ray, shape (H + 2, W + 2).
+        area: the area of a pixel at a depth of one metre, facing the camera, square metres, shape
+            (H + 2, W + 2). At depth z it is z^2 times as large.
+    """
+
+    right: NDArray[np.float32]
+    down: NDArray[np.float32]
+    area: NDArray[np.float32]
+
+
+@lru_cache(maxsize=_CAMERAS)
+def image_rays(camera: Intrinsics, height: int, width: int) -> ImageRays:
+    """Return the rays of an image.
+
+    Args:
+        camera: the intrinsics.
+        height: number of rows.
+        width: number of columns.
+    """
+    columns, rows = np.arange(-1, width + 1), np.arange(-1, height + 1)
+    directions = directions_of(columns[None, :], rows[:, None], camera)
+    right, down = directions[..., 0], directions[..., 1]
+    if camera.lens is None:
+        area = np.full(right.shape, 1 / (camera.fx * camera.fy))
+    else:
+        # The area of the parallelogram between the rays of the neighbours.
+        by_row = np.gradient(directions, axis=0)
+        by_column = np.gradient(directions, axis=1)
+        area = by_column[..., 0] * by_row[..., 1] - by_column[..., 1] * by_row[..., 0]
+    rays = ImageRays(*(np.array(each, np.float32, order='C') for each in (right, down, area)))
+    for table in rays:
+        table.flags.writeable = False  # the cache returns it again
+    return rays
