@@ -16,7 +16,7 @@
 """The silhouette of one body: smoothed depth, edge pixels, N points of them (section 2.1)."""
 
 import math
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -120,8 +120,9 @@ def smooth(window: Window, rays: ImageRays, sigma: float) -> NDArray[np.float32]
     """Return the window's depth after the Gaussian filter of eq. 1, shape as before.
 
     Each body pixel becomes the mean of the body's pixels in its 3 x 3 neighbourhood, weighted by
-    exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points. Whole rows
-    are added, one for each of the eight neighbours, so that the loops vectorise.
+    exp(-s^2 / (2 sigma^2)) with s the 3-D distance of the two back-projected points. The weight
+    of a pair of neighbours is computed once and used for both. Whole rows are computed at once,
+    so that the loops vectorise.
 
     Args:
         window: the body; its border row and column hold no body.
@@ -133,71 +134,104 @@ def smooth(window: Window, rays: ImageRays, sigma: float) -> NDArray[np.float32]
     if sigma <= 0:
         return smoothed
     scale = np.float32(0.5 / (sigma * sigma))
-    height, width = depth.shape
-    count = width - 2
-    x, y = _back_project_window(window, rays)
-    total, weights = np.empty(count, np.float32), np.empty(count, np.float32)
-    for i in range(1, height - 1):
-        centre = x[i, 1 : 1 + count], y[i, 1 : 1 + count], depth[i, 1 : 1 + count]
-        total[:] = centre[2]
-        weights[:] = 1
-        for row in range(i - 1, i + 2):
-            for first in range(3):
-                if row != i or first != 1:
-                    last = first + count
-                    other = x[row, first:last], y[row, first:last], depth[row, first:last]
-                    _add_neighbours(centre, other, scale, total, weights)
-        for j in range(count):
-            if centre[2][j] < _LARGEST_DEPTH:
-                smoothed[i, j + 1] = total[j] / weights[j]
+    points = _back_project_window(window, rays)
+    z, width = points.z, depth.shape[1]
+    # The weights of each pixel of a row and its neighbour on the right; and of each pixel and its
+    # neighbours in the next row: on the left, below and on the right.
+    beside, below = np.zeros(width, np.float32), np.zeros((3, width), np.float32)
+    above = below.copy()
+    for i in range(1, depth.shape[0] - 1):
+        _weigh_pairs(points, (i, 0, 1), scale, beside)
+        for k in range(3):
+            _weigh_pairs(points, (i, 1, k - 1), scale, below[k])
+        _average((z[i - 1], z[i], z[i + 1]), above, beside, below, smoothed[i])
+        above, below = below, above
     return smoothed
 
 
+class _WindowPoints(NamedTuple):
+    """The back-projected pixels of a window, metres, 0 beside the body, shape (h, w) each."""
+
+    x: NDArray[np.float32]
+    y: NDArray[np.float32]
+    z: NDArray[np.float32]
+
+
 @kernel
-def _back_project_window(
-    window: Window, rays: ImageRays
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return x and y of the window's pixels, metres, shape as the window each."""
-    x, y = np.empty_like(window.depth), np.empty_like(window.depth)
+def _back_project_window(window: Window, rays: ImageRays) -> _WindowPoints:
+    depth = window.depth
+    x, y, z = np.empty_like(depth), np.empty_like(depth), np.empty_like(depth)
     first = window.column + 1  # the rays have a margin of one pixel
-    for i in range(x.shape[0]):
+    for i in range(depth.shape[0]):
         right, down = rays.right[window.row + 1 + i], rays.down[window.row + 1 + i]
-        for j in range(x.shape[1]):
-            x[i, j] = right[first + j] * window.depth[i, j]
-            y[i, j] = down[first + j] * window.depth[i, j]
-    return x, y
-
-
-_Row: TypeAlias = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]]
+        for j in range(depth.shape[1]):
+            known = depth[i, j] if depth[i, j] < _LARGEST_DEPTH else np.float32(0)
+            x[i, j], y[i, j], z[i, j] = right[first + j] * known, down[first + j] * known, known
+    return _WindowPoints(x, y, z)
 
 
 @kernel
-def _add_neighbours(
-    centre: _Row,
-    other: _Row,
+def _weigh_pairs(
+    points: _WindowPoints,
+    pairs: tuple[int, int, int],
     scale: np.float32,
-    total: NDArray[np.float32],
     weights: NDArray[np.float32],
 ) -> None:
-    """Add one neighbour of each pixel of a row to the weighted sums.
+    """Compute the weights of a row's pixels and one neighbour of each.
 
     Args:
-        centre: x, y and z of the row's pixels, metres, shape (n,) each.
-        other: the neighbours', likewise.
+        points: the window.
+        pairs: the row, and by how many rows and columns the neighbours are further.
         scale: 1 / (2 sigma^2).
-        total: the weighted sums of depths; changed.
-        weights: the sums of weights; changed.
+        weights: changed, but not at the border; 0 if one of a pair is beside the body. Shape (w,).
     """
-    x, y, z = centre
-    other_x, other_y, other_z = other
-    for j in range(len(z)):
+    i, down, right = pairs
+    first, last = 1 + right, len(weights) - 1 + right
+    x, y, z = points.x[i, 1:-1], points.y[i, 1:-1], points.z[i, 1:-1]
+    other_x, other_y = points.x[i + down, first:last], points.y[i + down, first:last]
+    other_z = points.z[i + down, first:last]
+    inner = weights[1:-1]
+    for j in range(len(inner)):
         dx, dy, dz = other_x[j] - x[j], other_y[j] - y[j], other_z[j] - z[j]
         weight = exp_neg(scale * (dx * dx + dy * dy + dz * dz))
-        # Without branches infinity and NaN pass through the arithmetic; here they are left out.
-        valid = other_z[j] < _LARGEST_DEPTH
-        weight = weight if valid else np.float32(0)
-        weights[j] += weight
-        total[j] += weight * (other_z[j] if valid else np.float32(0))
+        inner[j] = weight if z[j] > 0 and other_z[j] > 0 else np.float32(0)
+
+
+@kernel
+def _average(
+    rows: tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.float32]],
+    above: NDArray[np.float32],
+    beside: NDArray[np.float32],
+    below: NDArray[np.float32],
+    smoothed: NDArray[np.float32],
+) -> None:
+    """Compute the weighted means of a row's body pixels.
+
+    Args:
+        rows: the depth of the row above, of the row and of the row below, shape (w,) each.
+        above: the weights of the row above and the row, as `below`.
+        beside: the weights of each pixel and its neighbour on the right, shape (w,).
+        below: the weights of each pixel and its neighbours below on the left, below, and below on
+            the right, shape (3, w).
+        smoothed: the means, shape (w,); changed at pixels of the body.
+    """
+    count = len(smoothed) - 2
+    z, mean = rows[1][1:-1], smoothed[1:-1]
+    # Neighbours a, b, c above, d, e beside, f, g, h below.
+    a, b, c = rows[0][:count], rows[0][1:-1], rows[0][2:]
+    d, e = rows[1][:count], rows[1][2:]
+    f, g, h = rows[2][:count], rows[2][1:-1], rows[2][2:]
+    weight_a, weight_b, weight_c = above[2, :count], above[1, 1:-1], above[0, 2:]
+    weight_d, weight_e = beside[:count], beside[1:-1]
+    weight_f, weight_g, weight_h = below[0, 1:-1], below[1, 1:-1], below[2, 1:-1]
+    for j in range(count):
+        total = z[j] + weight_d[j] * d[j] + weight_e[j] * e[j]
+        total += weight_a[j] * a[j] + weight_b[j] * b[j] + weight_c[j] * c[j]
+        total += weight_f[j] * f[j] + weight_g[j] * g[j] + weight_h[j] * h[j]
+        weights = np.float32(1) + weight_d[j] + weight_e[j]
+        weights += weight_a[j] + weight_b[j] + weight_c[j]
+        weights += weight_f[j] + weight_g[j] + weight_h[j]
+        mean[j] = total / weights if z[j] > 0 else mean[j]
 
 
 @kernel
