@@ -36,7 +36,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from lsc_pose_ros.bags.frames import FrameReader, open_recording
     from lsc_pose_ros.bags.topics import Topics
-    from lsc_pose_ros.data_types.camera import Intrinsics
+    from lsc_pose_ros.data_types.camera import Intrinsics, Lens
+    from lsc_pose_ros.data_types.conversion import labels_from_mask, metres_from_millimetres
     from lsc_pose_ros.data_types.frame import NO_BODY, Frame
     from lsc_pose_ros.data_types.joints import JOINT_NAMES
     from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -55,11 +56,14 @@ __all__ = [
     'FrameReader',
     'InputError',
     'Intrinsics',
+    'Lens',
     'Model',
     'Skeletons',
     'Topics',
     '__version__',
+    'labels_from_mask',
     'load_model',
+    'metres_from_millimetres',
     'open_recording',
 ]
 
@@ -71,10 +75,13 @@ _MODULES = {
     'FrameReader': 'bags.frames',
     'InputError': 'errors',
     'Intrinsics': 'data_types.camera',
+    'Lens': 'data_types.camera',
     'Model': 'pose.model',
     'Skeletons': 'data_types.skeletons',
     'Topics': 'bags.topics',
+    'labels_from_mask': 'data_types.conversion',
     'load_model': 'model_io.model_file',
+    'metres_from_millimetres': 'data_types.conversion',
     'open_recording': 'bags.frames',
 }
 

@@ -135,3 +135,19 @@ def test_models_of_the_package_are_loaded_by_name(shipped: Path, small_model: Mo
 
 def test_the_default_model_estimates_all_joints() -> None:
     assert len(load_model('default').joints) == len(JOINT_NUMBERS)
+
+
+@pytest.mark.parametrize('model', [None, 3, b'default', Path])
+def test_model_of_another_type_is_refused(model: object) -> None:
+    with pytest.raises(InputError, match=r'must be a path or the name .*: default, front'):
+        load_model(model)
+
+
+def test_arguments_of_a_recording_are_checked(recording: Path) -> None:
+    path = recording / 'people.mcap'
+    with pytest.raises(InputError, match='must be a path, but is of type NoneType'):
+        open_recording(None)
+    with pytest.raises(InputError, match=r'topics is of type str.*Topics\(depth='):
+        open_recording(path, '/depth/image')
+    with pytest.raises(InputError, match='mask_background is of type str'):
+        open_recording(path, mask_background='255')

@@ -15,8 +15,10 @@
 
 """Reads the frames of a recording."""
 
+import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from numbers import Integral
 from pathlib import Path
 from typing import TypeAlias
 
@@ -209,8 +211,10 @@ def open_recording(
         need_mask: if False, a recording without masks gives frames whose labels are all NO_BODY.
 
     Raises:
-        InputError: there is no recording, or a topic is missing or ambiguous.
+        InputError: there is no recording, a topic is missing or ambiguous, or an argument has a
+            wrong type.
     """
+    _check_arguments(path, topics, mask_background)
     messages = RecordingReader(path)
     recorded = RecordedTopics(
         str(messages.path), messages.topics, lambda names: _encodings(messages, names)
@@ -220,6 +224,24 @@ def open_recording(
         raise InputError('; '.join([f'{path}: the recording has no messages', *messages.warnings]))
     found = find_topics(topics, recorded, need_mask=need_mask)
     return FrameReader(messages, found, mask_background)
+
+
+def _check_arguments(path: object, topics: object, mask_background: object) -> None:
+    if not isinstance(path, (str, os.PathLike)):
+        msg = f'the recording must be a path, but is of type {type(path).__name__}'
+        raise InputError(msg)
+    if not isinstance(topics, Topics):
+        msg = (
+            f'topics is of type {type(topics).__name__}, but must be lsc_pose_ros.Topics, '
+            "for example Topics(depth='/camera/depth')"
+        )
+        raise InputError(msg)
+    if not isinstance(mask_background, Integral):
+        msg = (
+            f'mask_background is of type {type(mask_background).__name__}, but must be an '
+            'integer: the value of the pixels that show no body'
+        )
+        raise InputError(msg)
 
 
 def _read_any_image(message: SerializedMessage) -> AnyImage:

@@ -17,9 +17,17 @@
 
 from typing import NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from lsc_pose_ros.errors import InputError
+
 PLUMB_BOB = 'plumb_bob'
 RATIONAL_POLYNOMIAL = 'rational_polynomial'
 EQUIDISTANT = 'equidistant'
+
+MOST_COEFFICIENTS = {PLUMB_BOB: 5, RATIONAL_POLYNOMIAL: 12, EQUIDISTANT: 4}
+"""The models of distortion, with the largest number of coefficients that a `Lens` holds."""
 
 
 class Lens(NamedTuple):
@@ -52,3 +60,28 @@ class Intrinsics(NamedTuple):
     cx: float
     cy: float
     lens: Lens | None = None
+
+    @classmethod
+    def from_matrix(cls, matrix: ArrayLike, lens: Lens | None = None) -> 'Intrinsics':
+        """Return the intrinsics in an intrinsic matrix K.
+
+        Args:
+            matrix: [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], shape (3, 3), or its 9 numbers row by
+                row, as the field k of a CameraInfo. For a rectified image: the left three columns
+                of its projection matrix P.
+            lens: the distortion; None for a pinhole camera and for rectified images.
+
+        Raises:
+            InputError: `matrix` is not such a matrix.
+        """
+        values = np.asarray(matrix, np.float64)
+        k = values.reshape(3, 3) if values.size == 9 else np.zeros((3, 3))
+        fx, fy, cx, cy = (float(k[index]) for index in ((0, 0), (1, 1), (0, 2), (1, 2)))
+        expected = np.array([[fx, 0, cx], [0, fy, cy], [0, 0, 1]])
+        if not (fx > 0 and fy > 0 and np.isfinite(k).all() and np.allclose(k, expected)):
+            msg = (
+                f'{values.tolist()} is not an intrinsic matrix '
+                '[[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels'
+            )
+            raise InputError(msg)
+        return cls(fx, fy, cx, cy, lens)

@@ -63,8 +63,8 @@ class TemporalEstimator:
     def estimate(
         self,
         stamp: int,
-        depth: NDArray[np.float32],
-        labels: NDArray[np.int32],
+        depth: NDArray[np.floating],
+        labels: NDArray[np.signedinteger],
         camera: Intrinsics,
         observer: Observer | None = None,
     ) -> Skeletons:
@@ -76,6 +76,9 @@ class TemporalEstimator:
             labels: the body number of each pixel, NO_BODY for none, shape (H, W).
             camera: the intrinsics.
             observer: called when a stage of the estimate has ended, for each body.
+
+        Raises:
+            InputError: as `Estimator.estimate`.
         """
         return self.follow(stamp, self.estimator.estimate(depth, labels, camera, observer))
 

@@ -20,13 +20,13 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.data_types.conversion import labels_from_mask
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.compressed_depth import decode_compressed_depth
 from lsc_pose_ros.messages.codecs.image_encodings import (
     decode_depth,
     decode_mask,
     depth_to_metres,
-    label_pixels,
 )
 from lsc_pose_ros.messages.codecs.png import read_png
 from lsc_pose_ros.messages.parse import StampedCompressedImage, StampedImage
@@ -66,4 +66,4 @@ def labels_of(image: AnyImage, background: int) -> NDArray[np.int32]:
     if 'png' not in image.format.lower():
         msg = f'a mask compressed as {image.format!r} cannot be used; only PNG keeps the numbers'
         raise InputError(msg)
-    return label_pixels(read_png(image.data.data), background)
+    return labels_from_mask(read_png(image.data.data), background)

@@ -36,7 +36,7 @@ from lsc_pose_ros.model_io.model_header import Header, decode_header, encode_hea
 from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.pose.inference.confidence import uncalibrated
 from lsc_pose_ros.pose.model import Model
-from lsc_pose_ros.resources.package_files import find_model
+from lsc_pose_ros.resources.package_files import find_model, shipped_models
 
 # The largest models are some tens of megabytes; more than this is a zip bomb.
 LARGEST_ARRAY = 1 << 30
@@ -92,6 +92,12 @@ def load_model(model: str | os.PathLike[str]) -> Model:
         InputError: there is no such file or name, the file is no model, it has another version,
             or its parts do not fit together.
     """
+    if not isinstance(model, (str, os.PathLike)):
+        msg = (
+            f'model is of type {type(model).__name__}, but must be a path or the name of a model '
+            f'of the package: {", ".join(shipped_models())}'
+        )
+        raise InputError(msg)
     source = find_model(os.fspath(model))
     try:
         _check_sizes(source)

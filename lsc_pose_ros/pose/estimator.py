@@ -21,10 +21,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.conversion import LARGEST_BODY
+from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.stages import Observer, Stage, method_stages, run_stages
+
+FARTHEST = 100.0
+"""No depth camera measures people at a larger distance, metres."""
 
 
 class Estimator:
@@ -46,7 +52,16 @@ class Estimator:
             graph: whether the pictorial structure joins the modes (eq. 16, 17); without it each
                 joint is the highest mode of its own density (eq. 14).
             stages: stages to run instead of those of the method, with the same results.
+
+        Raises:
+            InputError: `model` is not a Model.
         """
+        if not isinstance(model, Model):
+            msg = (
+                f'model is of type {type(model).__name__}, but must be a Model; '
+                'lsc_pose_ros.load_model reads one from a file or by its name'
+            )
+            raise InputError(msg)
         self.model = model
         self.graph = graph
         self.stages = tuple(stages or method_stages(model, graph=graph))
@@ -58,8 +73,8 @@ class Estimator:
 
     def estimate(
         self,
-        depth: NDArray[np.float32],
-        labels: NDArray[np.int32],
+        depth: NDArray[np.floating],
+        labels: NDArray[np.signedinteger],
         camera: Intrinsics,
         observer: Observer | None = None,
     ) -> Skeletons:
@@ -68,26 +83,34 @@ class Estimator:
         A body of which too little is visible has NaN joints with confidence 0.
 
         Args:
-            depth: metres, 0 if the sensor measured nothing, shape (H, W).
-            labels: the body number of each pixel, NO_BODY for none, shape (H, W).
+            depth: metres, 0 if the sensor measured nothing, shape (H, W). float32 is the fastest;
+                `metres_from_millimetres` converts millimetres.
+            labels: the body number of each pixel, NO_BODY for none, shape (H, W). int32 is the
+                fastest; `labels_from_mask` converts masks.
             camera: the intrinsics.
             observer: called when a stage has ended, for each body.
+
+        Raises:
+            InputError: an argument has another type, shape or unit.
         """
-        bodies = bodies_in(labels)
+        images = check_images(depth, labels, camera)
+        bodies = bodies_in(images.labels)
+        _check_background(images.labels, bodies)
         count = len(self.model.joints)
         positions = np.full((len(bodies), count, 3), np.nan, np.float32)
         confidence = np.zeros((len(bodies), count), np.float32)
         for row, number in enumerate(bodies):
-            body = self.estimate_body(depth, labels, camera, int(number), observer)
+            body = self._estimate_body(images, int(number), observer)
             if body is not None:
                 positions[row] = body.joints
                 confidence[row] = body.confidence
+        _check_unit(positions[..., 2])
         return Skeletons(bodies, self.model.joints, positions, confidence)
 
     def estimate_body(
         self,
-        depth: NDArray[np.float32],
-        labels: NDArray[np.int32],
+        depth: NDArray[np.floating],
+        labels: NDArray[np.signedinteger],
         camera: Intrinsics,
         number: int,
         observer: Observer | None = None,
@@ -100,12 +123,53 @@ class Estimator:
             camera: as `estimate`.
             number: the body's number in `labels`.
             observer: as `estimate`.
+
+        Raises:
+            InputError: an argument has another type or shape.
         """
-        body = BodyEstimate.in_image(depth, labels, camera, number)
+        return self._estimate_body(check_images(depth, labels, camera), number, observer)
+
+    def _estimate_body(
+        self, images: ImageArguments, number: int, observer: Observer | None
+    ) -> BodyEstimate | None:
+        body = BodyEstimate.in_image(*images, number)
         return body if run_stages(self.stages, body, observer) else None
 
 
 def bodies_in(labels: NDArray[np.int32]) -> NDArray[np.uint16]:
-    """Return the numbers of the bodies in a mask, sorted, shape (B,)."""
+    """Return the numbers of the bodies in `labels`, sorted, shape (B,).
+
+    Raises:
+        InputError: a number is larger than LARGEST_BODY.
+    """
     foreground = labels[labels >= 0]
+    largest = foreground.max(initial=0)
+    if largest > LARGEST_BODY:
+        msg = f'labels has the body number {largest}; the largest possible is {LARGEST_BODY}'
+        raise InputError(msg)
     return np.flatnonzero(np.bincount(foreground)).astype(np.uint16)
+
+
+def _check_background(labels: NDArray[np.int32], bodies: NDArray[np.uint16]) -> None:
+    """Raise InputError if body 0 seems to be the background of a mask."""
+    if len(bodies) and bodies[0] == 0 and labels.min() >= 0:
+        msg = (
+            'labels has no pixel without a body (NO_BODY, -1), and 0 is the number of a body; '
+            'convert a mask with lsc_pose_ros.labels_from_mask(mask, background=0)'
+        )
+        raise InputError(msg)
+
+
+def _check_unit(distances: NDArray[np.float32]) -> None:
+    """Raise InputError if all estimated joints are farther away than any camera measures.
+
+    Args:
+        distances: z of the joints, NaN if not estimated, shape (B, J).
+    """
+    if (distances <= FARTHEST).any() or not (distances > FARTHEST).any():
+        return
+    msg = (
+        f'depth must be in metres, but its values on the bodies are above {FARTHEST:.0f}; '
+        'convert millimetres with lsc_pose_ros.metres_from_millimetres(depth)'
+    )
+    raise InputError(msg)

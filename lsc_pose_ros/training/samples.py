@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.image_arguments import check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.estimator import bodies_in
@@ -89,16 +90,20 @@ def labelled_people_in(
         frame: a frame; without ground truth it yields nobody.
         joints: numbers of the joints to learn, shape (J,).
         settings: the settings of silhouette and descriptor; all `points` become samples.
+
+    Raises:
+        InputError: depth, labels or camera have another type or shape.
     """
     if frame.ground_truth is None:
         return
     positions = select_joints(frame.ground_truth, joints)
     all_points = settings._replace(query_points=settings.points)
-    visible = set(bodies_in(frame.labels).tolist())
+    images = check_images(frame.depth, frame.labels, frame.camera)
+    visible = set(bodies_in(images.labels).tolist())
     for row, body in enumerate(frame.ground_truth.bodies.tolist()):
         if body not in visible or np.isnan(positions[row]).all():
             continue
-        described = describe_body(frame.depth, frame.labels, frame.camera, body, all_points)
+        described = describe_body(*images, body, all_points)
         if described is not None:
             scale = np.float32(described.scale)
             yield LabelledPerson(

@@ -233,3 +233,9 @@ def test_more_memory_holds_more_samples():
     assert sample_limit(8 * GIBIBYTE, 17, 360) > 20_000 * 400
     assert sample_limit(GIBIBYTE, 17, 360) < 1_000_000
     assert sample_limit(0, 17, 360) == 1
+
+
+def test_millimetres_are_refused(people, training):
+    frames = [each._replace(depth=(each.depth * 1000).astype(np.uint16)) for each in people[:2]]
+    with pytest.raises(InputError, match='metres_from_millimetres'):
+        train(frames, training, {})

@@ -23,10 +23,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.data_types.conversion import (
+    labels_from_mask,
+    metres_from_millimetres,
+    without_invalid,
+)
 from lsc_pose_ros.errors import InputError
-
-METRES_PER_MILLIMETRE = np.float32(0.001)
 
 DEPTH_TYPES: dict[str, np.dtype[np.generic]] = {
     '16UC1': np.dtype('u2'),
@@ -72,10 +74,8 @@ def depth_to_metres(pixels: NDArray[np.generic]) -> NDArray[np.float32]:
     0, NaN, infinity and negative values mean no depth and become 0.
     """
     if pixels.dtype.kind == 'u':
-        return pixels.astype(np.float32) * METRES_PER_MILLIMETRE
-    metres = pixels.astype(np.float32)
-    metres[~(np.isfinite(metres) & (metres > 0))] = 0
-    return metres
+        return metres_from_millimetres(pixels)
+    return without_invalid(pixels.astype(np.float32))
 
 
 def decode_mask(
@@ -93,31 +93,7 @@ def decode_mask(
             does not fit UINT16.
     """
     pixels = view_pixels(data, layout, MASK_TYPES, 'mask')
-    return label_pixels(pixels, background)
-
-
-def label_pixels(pixels: NDArray[np.generic], background: int = 0) -> NDArray[np.int32]:
-    """Return mask pixels, shape (H, W), as labels: the pixel's value, or NO_BODY.
-
-    Raises:
-        InputError: a body number is not within 0 to 65535.
-    """
-    empty = pixels == background
-    labels = pixels.astype(np.int32)
-    if pixels.dtype.kind == 'i':
-        _check_numbers(labels, ~empty)
-    np.copyto(labels, np.int32(NO_BODY), where=empty)
-    return labels
-
-
-def _check_numbers(labels: NDArray[np.int32], foreground: NDArray[np.bool_]) -> None:
-    wrong = foreground & ((labels < 0) | (labels > np.iinfo(np.uint16).max))
-    if wrong.any():
-        msg = (
-            f'the mask holds the body number {int(labels[wrong][0])}; '
-            'numbers must lie between 0 and 65535 (is mask_background right?)'
-        )
-        raise InputError(msg)
+    return labels_from_mask(pixels, background)
 
 
 def view_pixels(

@@ -150,7 +150,7 @@ def _fill_holes(
     around = np.empty(9, np.float32)
     for i in range(1, window.shape[0] - 1):
         for j in range(1, window.shape[1] - 1):
-            if window[i, j] != np.inf or depth[row + i, column + j] > 0:
+            if window[i, j] != np.inf or 0 < depth[row + i, column + j] < np.inf:
                 continue
             count = 0
             for di in range(-1, 2):

@@ -22,7 +22,6 @@ from lsc_pose_ros.messages.codecs.image_encodings import (
     ImageLayout,
     decode_depth,
     decode_mask,
-    label_pixels,
 )
 
 
@@ -62,17 +61,6 @@ def test_a_mask_gives_body_numbers(encoding, kind, background):
     expected = np.where(pixels == background, NO_BODY, pixels.astype(np.int64))
     np.testing.assert_array_equal(labels, expected)
     assert labels.dtype == np.int32
-
-
-@pytest.mark.parametrize('value', [-1, 65536])
-def test_a_body_number_must_fit_the_message(value):
-    with pytest.raises(InputError, match=f'body number {value}.*mask_background'):
-        label_pixels(np.array([[0, value]], np.int32))
-
-
-def test_a_background_of_minus_one_is_no_body():
-    labels = label_pixels(np.array([[-1, 4]], np.int32), -1)
-    np.testing.assert_array_equal(labels, [[NO_BODY, 4]])
 
 
 @pytest.mark.parametrize(
