@@ -24,7 +24,6 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.messages.markers import MarkerUpdater
 from lsc_pose_ros.messages.type_names import MARKER_ARRAY, POINT_CLOUD
-from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
 from lsc_pose_ros.settings.table import DrawingSettings
 
 SKELETONS_TOPIC = '/pose_node/skeletons'
@@ -39,7 +38,6 @@ def write_estimated_copy(
     frames: FrameReader,
     temporal_estimator: TemporalEstimator,
     writer: RecordingWriter,
-    segmenter: Segmenter | None = None,
     drawing_settings: DrawingSettings = _DEFAULT_DRAWING,
 ) -> Iterator[Skeletons]:
     """Copy the messages of the frames, and add the estimated skeletons and markers of each frame.
@@ -50,7 +48,6 @@ def write_estimated_copy(
         frames: the frames.
         temporal_estimator: estimates the frames in their order.
         writer: writes the copy.
-        segmenter: finds the bodies; None to use the masks of the frames.
         drawing_settings: how the joints are drawn.
 
     Yields:
@@ -60,10 +57,9 @@ def write_estimated_copy(
     marker_updater = MarkerUpdater(temporal_estimator.estimator.model.edges)
     for frame in frames:
         log_time = copier.copy_up_to(frame.stamp)
-        labels = frame.labels
-        if segmenter is not None:
-            labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
-        skeletons = temporal_estimator.estimate(frame.stamp, frame.depth, labels, frame.camera)
+        skeletons = temporal_estimator.estimate(
+            frame.stamp, frame.depth, frame.labels, frame.camera
+        )
         shapes = marker_updater.update(skeletons, drawing_settings)
         head = (frame.stamp, frame.frame_id)
         writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))

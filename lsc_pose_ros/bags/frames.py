@@ -38,7 +38,11 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.frames import make_frame
 from lsc_pose_ros.messages.image_pixels import AnyImage
 from lsc_pose_ros.messages.parse import StampedCamera, StampedImage
+from lsc_pose_ros.messages.rectification import ImageSource
+from lsc_pose_ros.messages.stamps import NANOSECONDS
 from lsc_pose_ros.messages.type_names import IMAGE
+from lsc_pose_ros.segmentation.segmenter import Segmenter, make_segmenter, segmented
+from lsc_pose_ros.settings.table import MASK, FrameSettings
 from lsc_pose_ros.synchronization.synchronizer import (
     SynchronizedFrame,
     Synchronizer,
@@ -49,6 +53,7 @@ from lsc_pose_ros.synchronization.synchronizer import (
 _MOST_PEEKED = 5000
 
 _FIND_ALL = Topics()
+_DEFAULT_SETTINGS = FrameSettings()
 
 _Synchronizer: TypeAlias = Synchronizer[AnyImage, AnyImage, StampedCamera, Skeletons]
 _Parts: TypeAlias = SynchronizedFrame[AnyImage, AnyImage, StampedCamera, Skeletons]
@@ -62,15 +67,17 @@ class FrameReader:
         topics: the topics of the frames; '' for one that the recording does not have.
         warnings: a sentence for each problem of the recording. The list grows during an iteration
             and is cleared by the next one.
+        camera: how the last camera info was read: which matrix was taken, and why.
     """
 
-    def __init__(self, messages: RecordingReader, topics: Topics, mask_background: int) -> None:
+    def __init__(self, messages: RecordingReader, topics: Topics, settings: FrameSettings) -> None:
         """Read frames from `messages`; use `open_recording` to create one."""
         self._messages = messages
-        self._mask_background = mask_background
+        self._settings = settings
         self.path = messages.path
         self.topics = topics
         self.warnings = messages.warnings
+        self.camera = ''
 
     @property
     def count(self) -> int | None:
@@ -88,42 +95,55 @@ class FrameReader:
         Raises:
             InputError: a message cannot be used, or there is no complete frame.
         """
-        reading = _Reading(self._messages, self.topics)
+        reading = _Reading(self._messages, self.topics, self._settings)
+        segmenter = make_segmenter(self._settings)
         frames = 0
         for parts in reading.synchronized():
             frames += 1
-            yield self._make_frame(parts)
+            yield self._make_frame(parts, segmenter)
         self.warnings.extend(reading.warnings())
         if frames == 0:
             msg = f'{self.path}: no frame could be read: {reading.reason_for_no_frame()}'
             raise InputError('; '.join([msg, *self.warnings]))
 
-    def _make_frame(self, parts: _Parts) -> Frame:
+    def _make_frame(self, parts: _Parts, segmenter: Segmenter | None) -> Frame:
+        self._note_camera(parts.camera_info)
         try:
-            return make_frame(
+            frame = make_frame(
                 parts.depth,
                 parts.mask,
                 parts.camera_info,
                 parts.ground_truth,
                 topics=self.topics,
-                mask_background=self._mask_background,
+                mask_background=self._settings.mask_background,
             )
         except InputError as error:
             msg = f'{self.path}: topic {error}'
             raise InputError(msg) from error
+        return frame if segmenter is None else segmented(frame, segmenter)
+
+    def _note_camera(self, camera: StampedCamera) -> None:
+        self.camera = camera.choice
+        warning = f'{self.topics.camera_info}: {camera.warning}'
+        if camera.warning and warning not in self.warnings:
+            self.warnings.append(warning)
 
 
 class _Reading:
     """One pass through a recording."""
 
-    def __init__(self, messages: RecordingReader, topics: Topics) -> None:
+    def __init__(self, messages: RecordingReader, topics: Topics, settings: FrameSettings) -> None:
         self._messages = messages
+        self._source = ImageSource(topics.depth, settings.rectified)
         self._topics = topics
         self._damaged: Counter[str] = Counter()
         self._counts: Counter[str] = Counter()
         self._synchronizer: _Synchronizer = Synchronizer(
             SynchronizerSettings(
-                with_masks=bool(topics.mask), with_ground_truth=bool(topics.ground_truth)
+                slop_ns=round(settings.sync_slop * NANOSECONDS),
+                capacity=settings.sync_queue,
+                with_masks=bool(topics.mask),
+                with_ground_truth=bool(topics.ground_truth),
             )
         )
 
@@ -189,7 +209,7 @@ class _Reading:
             mask = _read_any_image(message)
             return self._synchronizer.add_mask(mask.stamp, mask)
         if message.topic == topics.camera_info:
-            camera = read_camera_info(message.data)
+            camera = read_camera_info(message.data, self._source)
             return self._synchronizer.add_camera_info(camera.stamp, camera)
         ground_truth = read_skeletons(message.data)
         return self._synchronizer.add_ground_truth(ground_truth.stamp, ground_truth.skeletons)
@@ -199,7 +219,7 @@ def open_recording(
     path: Path | str,
     topics: Topics = _FIND_ALL,
     *,
-    mask_background: int = 0,
+    settings: FrameSettings = _DEFAULT_SETTINGS,
     need_mask: bool = True,
 ) -> FrameReader:
     """Open a recording for reading its frames.
@@ -207,7 +227,8 @@ def open_recording(
     Args:
         path: an .mcap or .db3 file (compressed as .zstd or not), or a bag folder.
         topics: the topics' names; each '' is found by type and name.
-        mask_background: the mask's pixel value that means no body.
+        settings: how frames are made from messages. Without the segmentation `mask`, masks are
+            not read.
         need_mask: if False, a recording without masks gives frames whose labels are all NO_BODY.
 
     Raises:
@@ -222,8 +243,11 @@ def open_recording(
     if not any(topic.count != 0 for topic in messages.topics.values()):
         list(messages)  # for its warnings
         raise InputError('; '.join([f'{path}: the recording has no messages', *messages.warnings]))
-    found = find_topics(topics, recorded, need_mask=need_mask)
-    return FrameReader(messages, found, mask_background)
+    with_masks = settings.segmentation == MASK
+    found = find_topics(topics, recorded, need_mask=need_mask and with_masks)
+    if not with_masks:
+        found = found._replace(mask='')
+    return FrameReader(messages, found, settings)
 
 
 def _check_arguments(path: object, topics: object, mask_background: object) -> None:

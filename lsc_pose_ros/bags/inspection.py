@@ -23,6 +23,7 @@ from lsc_pose_ros.bags.frames import FrameReader, open_recording
 from lsc_pose_ros.bags.storage.reader import RecordingReader, read_messages
 from lsc_pose_ros.bags.topics import Topics
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.settings.table import FrameSettings
 
 
 class TopicReport(NamedTuple):
@@ -66,7 +67,7 @@ class RecordingReport(NamedTuple):
 class Inspection:
     """Reads a whole recording while it is iterated; a step is a frame or a message."""
 
-    def __init__(self, path: Path | str, topics: Topics, mask_background: int) -> None:
+    def __init__(self, path: Path | str, topics: Topics, settings: FrameSettings) -> None:
         """Open the recording.
 
         Raises:
@@ -78,7 +79,7 @@ class Inspection:
         self._frame_count = 0
         self._labelled = 0
         try:
-            self._frames = open_recording(path, topics, mask_background=mask_background)
+            self._frames = open_recording(path, topics, settings=settings, need_mask=False)
         except InputError as error:
             self._without_frames = [f'it has no frames: {error}']
 

@@ -21,8 +21,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.camera.lens import distort
 from lsc_pose_ros.camera.projection import directions_of
 from lsc_pose_ros.data_types.camera import Intrinsics
+
+# A pixel is reached if the ray that was found for it comes back to it, in pixels.
+_LARGEST_ERROR = 0.1
 
 # Tables are kept for so many cameras; one of 640 x 480 pixels has 3.7 MB.
 _CAMERAS = 8
@@ -69,3 +73,20 @@ def image_rays(camera: Intrinsics, height: int, width: int) -> ImageRays:
     for table in rays:
         table.flags.writeable = False  # the cache returns it again
     return rays
+
+
+@lru_cache(maxsize=_CAMERAS)
+def pixels_outside_field(camera: Intrinsics, height: int, width: int) -> NDArray[np.bool_] | None:
+    """Return which pixels no ray reaches through the lens, shape (H, W); None if there are none.
+
+    Far outside of the area that a calibration covers, a distortion model can fold back: then
+    these pixels have no direction, and their depth must not be used. Arguments as `image_rays`.
+    """
+    if camera.lens is None:
+        return None
+    columns, rows = np.meshgrid(np.arange(width), np.arange(height))
+    directions = directions_of(columns, rows, camera)
+    pixels = distort(directions, camera.lens) * (camera.fx, camera.fy) + (camera.cx, camera.cy)
+    error = np.abs(pixels - np.stack([columns, rows], axis=-1)).max(axis=-1)
+    outside = ~(error <= _LARGEST_ERROR)
+    return outside if outside.any() else None

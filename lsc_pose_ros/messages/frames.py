@@ -21,6 +21,7 @@ from typing import Protocol
 
 import numpy as np
 
+from lsc_pose_ros.camera.rays import pixels_outside_field
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
@@ -76,7 +77,11 @@ def make_frame(
             _check_size(labels.shape, metres.shape, topics.depth)
     if camera.height and camera.width:
         with error_names_topic(topics.camera_info):
-            _check_size((camera.height, camera.width), metres.shape, topics.depth)
+            sensor = f' ({camera.sensor})' if camera.sensor else ''
+            _check_size((camera.height, camera.width), metres.shape, topics.depth, sensor)
+    outside = pixels_outside_field(camera.camera, *metres.shape)
+    if outside is not None:
+        metres[outside] = 0
     return Frame(depth.stamp, depth.frame_id, metres, labels, camera.camera, ground_truth)
 
 
@@ -90,10 +95,12 @@ def error_names_topic(topic: str) -> Iterator[None]:
         raise InputError(msg) from error
 
 
-def _check_size(size: tuple[int, ...], depth_size: tuple[int, ...], depth_topic: str) -> None:
+def _check_size(
+    size: tuple[int, ...], depth_size: tuple[int, ...], depth_topic: str, sensor: str = ''
+) -> None:
     if size != depth_size:
         msg = (
-            f'it is for {size[1]} x {size[0]} pixels, but the images of {depth_topic} have '
-            f'{depth_size[1]} x {depth_size[0]}; both must have the same size'
+            f'it is for {size[1]} x {size[0]} pixels{sensor}, but the images of {depth_topic} '
+            f'have {depth_size[1]} x {depth_size[0]}; both must have the same size'
         )
         raise InputError(msg)

@@ -29,6 +29,7 @@ from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, unpack
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.camera_info import image_camera
 from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
+from lsc_pose_ros.messages.rectification import ImageSource
 from lsc_pose_ros.messages.stamps import nanoseconds
 
 # The numbers of the types in sensor_msgs/PointField.
@@ -54,12 +55,15 @@ class StampedCompressedImage(NamedTuple):
 
 
 class StampedCamera(NamedTuple):
-    """A sensor_msgs/CameraInfo: the size of the images in pixels, 0 if unknown, and the camera."""
+    """The camera of a sensor_msgs/CameraInfo; the attributes are those of `ImageCamera`."""
 
     stamp: int
     height: int
     width: int
     camera: Intrinsics
+    sensor: str = ''
+    choice: str = ''
+    warning: str = ''
 
 
 class StampedSkeletons(NamedTuple):
@@ -83,13 +87,17 @@ def parse_compressed_image(message: Any) -> StampedCompressedImage:  # noqa: ANN
     return StampedCompressedImage(*_parse_header(message), message.format, data)
 
 
-def parse_camera_info(message: Any) -> StampedCamera:  # noqa: ANN401
-    """Return the values of a sensor_msgs/CameraInfo.
+def parse_camera_info(message: Any, source: ImageSource) -> StampedCamera:  # noqa: ANN401
+    """Return the camera of the images that a sensor_msgs/CameraInfo belongs to.
+
+    Args:
+        message: the camera info.
+        source: the images' topic and the user's choice between raw and rectified.
 
     Raises:
-        InputError: K is not the matrix of a pinhole camera.
+        InputError: as `image_camera`.
     """
-    return StampedCamera(nanoseconds(message.header.stamp), *image_camera(message))
+    return StampedCamera(nanoseconds(message.header.stamp), *image_camera(message, source))
 
 
 def parse_skeletons(message: Any) -> StampedSkeletons:  # noqa: ANN401

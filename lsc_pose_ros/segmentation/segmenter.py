@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.segmentation.background import Background
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
@@ -75,6 +76,12 @@ def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:
     if settings.segmentation == NEAREST:
         return NearestBody(nearest, farthest)
     return Background(settings.background_seconds, settings.background_margin, nearest, farthest)
+
+
+def segmented(frame: Frame, segmenter: Segmenter) -> Frame:
+    """Return `frame` with the labels that `segmenter` finds in it; the next of its sequence."""
+    labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
+    return frame._replace(labels=labels)
 
 
 def segment(

@@ -18,7 +18,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
-from typing import TypeAlias, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 Value: TypeAlias = str | bool | int | float
 
@@ -86,9 +86,23 @@ class Setting:
             return f'it must be of type {self.type_name}'
         return f'it must be of type {self.type_name}{point}, from {self.lowest} to {self.highest}'
 
+    @property
+    def read_as_other_type(self) -> bool:
+        """Whether ROS 2 reads one of the choices as a bool or a number."""
+        return any(choice in ('true', 'false') or choice.isdigit() for choice in self.choices)
+
+    def text_of(self, value: Any) -> Any:  # noqa: ANN401
+        """Return the choice that ROS 2 has read as a bool or a number, or `value` itself.
+
+        `-p rectified:=true` on the command line and `rectified: true` in a file give a bool.
+        """
+        if not self.choices or isinstance(value, str):
+            return value
+        return str(value).lower()
+
     def unknown_choice(self, value: object) -> str:
         """Return why `value` is none of the choices; empty if it is one or there are none."""
-        if not self.choices or value in self.choices:
+        if not self.choices or self.text_of(value) in self.choices:
             return ''
         return f'parameter {self.name}: {value!r} is not known; {self.rule}'
 

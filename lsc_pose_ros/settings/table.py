@@ -30,6 +30,10 @@ COMPRESSED = 'compressed'
 COMPRESSED_DEPTH = 'compressedDepth'
 
 AUTO = 'auto'
+
+RECTIFIED = 'true'
+NOT_RECTIFIED = 'false'
+
 BEST_EFFORT = 'best_effort'
 RELIABLE = 'reliable'
 
@@ -75,6 +79,24 @@ class ModelSettings:
         change=Change.ANY_TIME,
         details='Fewer points are faster and less accurate. The largest number is that of the '
         'points that the model was trained with.',
+    )
+
+
+@dataclass(frozen=True)
+class CameraSettings:
+    """How the camera infos describe the camera."""
+
+    rectified: str = setting(
+        AUTO,
+        'Whether the depth images are rectified.',
+        choices={
+            AUTO: 'rectified if a part of the topic of the depth images is rect, as in '
+            'image_rect, or if D of the camera info is zero and P differs from K. Otherwise raw.',
+            RECTIFIED: 'the matrix P of the camera info holds for the depth images.',
+            NOT_RECTIFIED: 'the matrix K and the distortion D hold for them.',
+        },
+        details='The log and /diagnostics say which matrix was taken, and why. The distortion '
+        'models are plumb_bob, rational_polynomial and equidistant.',
     )
 
 
@@ -125,6 +147,12 @@ class SegmentationSettings:
         details="Used with segmentation background. Choose more than the noise of the camera's "
         'depth.',
     )
+
+
+@dataclass(frozen=True)
+class MaskSettings:
+    """How masks are read."""
+
     mask_background: int = setting(
         0,
         'Pixel value of the mask that shows no body; 255 for Azure Kinect.',
@@ -177,13 +205,12 @@ class TemporalSettings:
 
 
 @dataclass(frozen=True)
-class TopicSettings:
-    """How the node subscribes, and how it synchronizes depth images and masks."""
+class SynchronizationSettings:
+    """Which messages depth images and masks are, and how they are joined."""
 
     depth_transport: str = setting(
         RAW,
         'Transport of the depth images.',
-        command_line=False,
         choices={
             RAW: 'sensor_msgs/Image on depth/image.',
             COMPRESSED_DEPTH: 'sensor_msgs/CompressedImage on depth/image/compressedDepth, PNG '
@@ -193,13 +220,36 @@ class TopicSettings:
     mask_transport: str = setting(
         RAW,
         'Transport of the masks.',
-        command_line=False,
         choices={
             RAW: 'sensor_msgs/Image on mask.',
             COMPRESSED: 'sensor_msgs/CompressedImage on mask/compressed, PNG. JPEG would change '
             'the numbers of the bodies.',
         },
     )
+    sync_slop: float = setting(
+        0.0,
+        'Largest difference between the stamps of a depth image and its mask.',
+        unit='seconds',
+        lowest=0.0,
+        highest=1.0,
+        change=Change.ANY_TIME,
+        details='0.0 if the mask has the stamp of its depth image, as it should. Keep it below '
+        'half the time between two images.',
+    )
+    sync_queue: int = setting(
+        30,
+        'Number of depth images, and of masks, that wait for their partner.',
+        lowest=1,
+        highest=1000,
+        details='If the masks come late, all depth images of that time must fit: one second at '
+        '30 Hz is 30 images.',
+    )
+
+
+@dataclass(frozen=True)
+class SubscriptionSettings:
+    """How the node subscribes."""
+
     reliability: str = setting(
         AUTO,
         'Reliability of the subscriptions.',
@@ -212,26 +262,6 @@ class TopicSettings:
             RELIABLE: 'loses no image, but receives nothing from publishers that offer best '
             'effort only, as many camera drivers do.',
         },
-    )
-    sync_slop: float = setting(
-        0.0,
-        'Largest difference between the stamps of a depth image and its mask.',
-        unit='seconds',
-        lowest=0.0,
-        highest=1.0,
-        change=Change.ANY_TIME,
-        command_line=False,
-        details='0.0 if the mask has the stamp of its depth image, as it should. Keep it below '
-        'half the time between two images.',
-    )
-    sync_queue: int = setting(
-        30,
-        'Number of depth images, and of masks, that wait for their partner.',
-        lowest=1,
-        highest=1000,
-        command_line=False,
-        details='If the masks come late, all depth images of that time must fit: one second at '
-        '30 Hz is 30 images.',
     )
 
 
@@ -281,9 +311,10 @@ class TransformSettings:
 SECTIONS: dict[str, tuple[type, ...]] = {
     'Start': (StartSettings,),
     'Model': (ModelSettings,),
-    'Segmentation': (SegmentationSettings,),
+    'Camera': (CameraSettings,),
+    'Segmentation': (SegmentationSettings, MaskSettings),
     'Tracking and smoothing': (TemporalSettings,),
-    'Topics': (TopicSettings,),
+    'Topics': (SynchronizationSettings, SubscriptionSettings),
     'Markers and transforms': (DrawingSettings, TransformSettings),
 }
 """The titles under which the documents list the groups of settings."""
@@ -291,19 +322,29 @@ SECTIONS: dict[str, tuple[type, ...]] = {
 
 # The fields of a dataclass are those of its last base first.
 @dataclass(frozen=True)
+class FrameSettings(SynchronizationSettings, MaskSettings, SegmentationSettings, CameraSettings):
+    """How frames are made from messages, live and from recordings."""
+
+
+@dataclass(frozen=True)
 class NodeSettings(
     TransformSettings,
     DrawingSettings,
-    TopicSettings,
+    SubscriptionSettings,
     TemporalSettings,
-    SegmentationSettings,
+    FrameSettings,
     ModelSettings,
     StartSettings,
 ):
     """All settings: the parameters of `pose_node`."""
 
 
-SETTINGS: dict[str, Setting] = settings_of(NodeSettings)
+SETTINGS: dict[str, Setting] = {
+    name: each
+    for groups in SECTIONS.values()
+    for group in groups
+    for name, each in settings_of(group).items()
+}
 """All settings by their names, in the order of the documents."""
 
 SEGMENTATIONS = tuple(SETTINGS['segmentation'].choices)

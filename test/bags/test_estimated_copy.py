@@ -32,7 +32,7 @@ from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
 from lsc_pose_ros.settings.table import (
     NEAREST,
     TRACKED,
-    SegmentationSettings,
+    FrameSettings,
     TemporalSettings,
 )
 from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
@@ -112,7 +112,7 @@ def test_settings_make_a_difference(recording: Path, small_model: Model) -> None
 
 def test_bodies_without_masks(recording: Path, small_model: Model, tmp_path: Path) -> None:
     frames = list(open_recording(recording))
-    how = SegmentationSettings(segmentation=NEAREST, range_min=0.5, range_max=3.6)
+    how = FrameSettings(segmentation=NEAREST, range_min=0.5, range_max=3.6)
     segmenter = make_segmenter(how)
     assert segmenter is not None
     expected = live(
@@ -127,7 +127,7 @@ def test_bodies_without_masks(recording: Path, small_model: Model, tmp_path: Pat
         temporal_estimator = TemporalEstimator(Estimator(small_model), ALL)
         found = list(
             write_estimated_copy(
-                open_recording(recording), temporal_estimator, writer, make_segmenter(how)
+                open_recording(recording, settings=how), temporal_estimator, writer
             )
         )
     assert_same(found, expected)

@@ -34,6 +34,7 @@ from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.messages.codecs.png import write_png
+from lsc_pose_ros.settings.table import FrameSettings
 
 SHAPE = (48, 64)
 DEPTH = np.random.default_rng(0).integers(500, 5000, SHAPE, dtype=np.uint16)
@@ -72,7 +73,7 @@ def the_frame(path, **options):
 
 def test_a_plain_frame(tmp_path):
     frame = the_frame(write(tmp_path / 'a.mcap', [depth_image(), mask_image(), info()]))
-    assert (frame.stamp, frame.frame_id, frame.camera) == (1, 'camera', (60, 61, 31.5, 23.5))
+    assert (frame.stamp, frame.frame_id, frame.camera[:4]) == (1, 'camera', (60, 61, 31.5, 23.5))
     assert frame.ground_truth is None
 
 
@@ -121,7 +122,7 @@ def test_a_mask_with_the_background_255(tmp_path):
         tmp_path / 'a.mcap',
         [depth_image(), ('/mask', IMAGE, 1, image(1, mask, 'mono8')), info()],
     )
-    the_frame(path, mask_background=255)
+    the_frame(path, settings=FrameSettings(mask_background=255))
 
 
 def test_without_masks_where_none_are_needed(tmp_path):

@@ -89,13 +89,13 @@ def test_a_body_must_not_have_the_backgrounds_number():
 def test_camera_info_there_and_back():
     camera = Intrinsics(500.5, 501.25, 319.5, 239.5)
     message = read_camera_info(camera_info_message(STAMP, 'optical', camera, (480, 640)))
-    assert message == (STAMP, 480, 640, camera)
+    assert message[:4] == (STAMP, 480, 640, camera)
 
 
 def test_camera_info_with_binning_and_region():
     roi = SimpleNamespace(x_offset=40, y_offset=20, height=400, width=560, do_rectify=False)
     data = camera_info(0, shape=(480, 640), binning_x=2, binning_y=4, roi=roi)
-    assert read_camera_info(data)[1:] == (100, 280, Intrinsics(30, 15.25, -4.25, 0.875))
+    assert read_camera_info(data)[1:4] == (100, 280, Intrinsics(30, 15.25, -4.25, 0.875))
 
 
 @pytest.mark.parametrize(
@@ -212,7 +212,7 @@ def test_what_is_no_message(data):
 
 def test_random_damage_never_does_worse_than_an_input_error(skeletons):
     random = np.random.default_rng(4)
-    messages = {
+    messages: dict[Any, bytes] = {
         read_image: image(0, np.ones((4, 5), np.uint16), '16UC1'),
         read_camera_info: camera_info(0),
         read_skeletons: skeletons_message(0, 'f', skeletons),

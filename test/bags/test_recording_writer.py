@@ -38,6 +38,7 @@ from lsc_pose_ros.bags.storage.metadata import RecordingContents, metadata_yaml
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.markers import skeleton_markers
+from lsc_pose_ros.settings.table import FrameSettings
 
 OLD_ROSBAGS = pytest.mark.skipif(
     version('rosbags').startswith('0.10.'), reason='this rosbags opens no file outside of a folder'
@@ -231,7 +232,7 @@ def test_another_background(tmp_path, simple_frames):
     frame = simple_frames[0]._replace(labels=labels)
     with RecordingWriter(path) as writer:
         writer.write_frame(frame, mask_background=255)
-    (read,) = open_recording(path, mask_background=255)
+    (read,) = open_recording(path, settings=FrameSettings(mask_background=255))
     np.testing.assert_array_equal(read.labels, labels)
     assert set(np.unique(read.labels)) == {NO_BODY, 0, 2}
 

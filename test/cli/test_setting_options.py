@@ -21,15 +21,15 @@ from dataclasses import asdict
 import pytest
 
 from lsc_pose_ros.cli.options.estimation_options import add_estimation_options
-from lsc_pose_ros.cli.options.setting_options import add_setting_options, settings_from
-from lsc_pose_ros.settings.table import SETTINGS, NodeSettings
+from lsc_pose_ros.cli.options.setting_options import add_group_options, settings_from
+from lsc_pose_ros.settings.table import SETTINGS, FrameSettings, NodeSettings
 
 
 @pytest.fixture
 def parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser()
     add_estimation_options(parser.add_argument_group())
-    add_setting_options(parser, 'mask_background')
+    add_group_options(parser, FrameSettings)
     return parser
 
 

@@ -16,6 +16,7 @@
 """Deserializes recorded messages into arrays and plain values."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, TypeVar
 
 from lsc_pose_ros.bags.serialization.type_store import typestore
@@ -31,6 +32,7 @@ from lsc_pose_ros.messages.parse import (
     parse_image,
     parse_skeletons,
 )
+from lsc_pose_ros.messages.rectification import ANY_SOURCE, ImageSource
 from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, POINT_CLOUD
 
 Values = TypeVar('Values')
@@ -58,14 +60,18 @@ def read_compressed_image(data: bytes) -> StampedCompressedImage:
     return _read(data, COMPRESSED_IMAGE, parse_compressed_image)
 
 
-def read_camera_info(data: bytes) -> StampedCamera:
-    """Return the sensor_msgs/CameraInfo that `data` holds.
+def read_camera_info(data: bytes, source: ImageSource = ANY_SOURCE) -> StampedCamera:
+    """Return the camera of the sensor_msgs/CameraInfo that `data` holds.
+
+    Args:
+        data: the message.
+        source: the images' topic and the user's choice between raw and rectified.
 
     Raises:
         DamagedMessageError: the bytes are no such message.
-        InputError: K is not the matrix of a pinhole camera.
+        InputError: as `image_camera`.
     """
-    return _read(data, CAMERA_INFO, parse_camera_info)
+    return _read(data, CAMERA_INFO, partial(parse_camera_info, source=source))
 
 
 def read_skeletons(data: bytes) -> StampedSkeletons:

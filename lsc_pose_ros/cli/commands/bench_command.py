@@ -19,13 +19,12 @@ import argparse
 import sys
 from pathlib import Path
 
-from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
 from lsc_pose_ros.cli.options.frame_selection import spread
 from lsc_pose_ros.cli.options.image_size import image_size
 from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
-from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
 from lsc_pose_ros.cli.output.bench_results import bench_results, bench_table
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.progress import progress
@@ -135,9 +134,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _recorded(arguments: argparse.Namespace) -> list[EncodedFrame]:
-    reader = open_recording(
-        arguments.recording, topics_of(arguments), mask_background=arguments.mask_background
-    )
+    reader = open_frames(arguments.recording, arguments)
     frames = spread(read_frames([reader], 'reading'), arguments.frames)
     return [encode_frame(numbered.frame) for numbered in frames]
 

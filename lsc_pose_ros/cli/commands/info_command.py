@@ -22,10 +22,12 @@ from pathlib import Path
 from typing import Any
 
 from lsc_pose_ros.bags.inspection import Inspection, RecordingReport
+from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
+from lsc_pose_ros.settings.table import FrameSettings
 
 HELP = (
     'Print the contents of a recording or a model. The whole recording is read, including its '
@@ -88,7 +90,9 @@ def _describe_model(path: Path) -> dict[str, Any]:
 
 
 def _describe_recording(arguments: argparse.Namespace) -> dict[str, Any]:
-    inspection = Inspection(arguments.path, topics_of(arguments), arguments.mask_background)
+    inspection = Inspection(
+        arguments.path, topics_of(arguments), settings_from(arguments, FrameSettings)
+    )
     deque(progress(inspection, inspection.total, 'reading'), maxlen=0)
     report = inspection.report()
     _print_recording(report)

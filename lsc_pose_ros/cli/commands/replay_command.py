@@ -21,7 +21,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording, read_messages
+from lsc_pose_ros.bags import FrameReader, RecordingWriter, read_messages
 from lsc_pose_ros.bags.estimated_copy import write_estimated_copy
 from lsc_pose_ros.cli.options.estimation_options import (
     add_estimation_options,
@@ -29,12 +29,11 @@ from lsc_pose_ros.cli.options.estimation_options import (
 )
 from lsc_pose_ros.cli.options.numbers import positive_float
 from lsc_pose_ros.cli.options.setting_options import settings_from
-from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.requirements import load_with_ros
-from lsc_pose_ros.segmentation.segmenter import make_segmenter
-from lsc_pose_ros.settings.table import MASK, DrawingSettings, SegmentationSettings
+from lsc_pose_ros.settings.table import MASK, DrawingSettings
 
 if TYPE_CHECKING:
     from lsc_pose_ros.ros.playback.player import Player  # needs rclpy, which only --publish loads
@@ -75,12 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the recording, the model or the output cannot be used, or ROS 2 is missing.
     """
-    reader = open_recording(
-        arguments.recording,
-        topics_of(arguments),
-        mask_background=arguments.mask_background,
-        need_mask=not arguments.publish and arguments.segmentation == MASK,
-    )
+    reader = open_frames(arguments.recording, arguments, need_mask=not arguments.publish)
     if arguments.publish:
         return _publish(arguments, reader)
     return _answer(arguments, reader)
@@ -126,14 +120,11 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
     if output.exists() and output.samefile(arguments.recording):
         msg = f'{output} is the recording itself; choose another name with -o'
         raise InputError(msg)
-    segmenter = make_segmenter(settings_from(arguments, SegmentationSettings))
-    if segmenter is not None:
-        reader.topics = reader.topics._replace(mask='')  # frames need not wait for masks
     temporal_estimator = temporal_estimator_from(arguments)
     frames = bodies = 0
     with RecordingWriter(output) as writer:
         drawing = settings_from(arguments, DrawingSettings)
-        answers = write_estimated_copy(reader, temporal_estimator, writer, segmenter, drawing)
+        answers = write_estimated_copy(reader, temporal_estimator, writer, drawing)
         for skeletons in progress(answers, reader.count, 'estimating'):
             frames += 1
             bodies += len(skeletons.bodies)

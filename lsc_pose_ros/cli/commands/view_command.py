@@ -20,12 +20,12 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from lsc_pose_ros.bags import FrameReader, open_recording, read_messages
+from lsc_pose_ros.bags import FrameReader, read_messages
 from lsc_pose_ros.cli.input.recorded_skeletons import find_skeletons_topic, read_skeletons_at
 from lsc_pose_ros.cli.options.frame_selection import NumberedFrame, pick, spread
 from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
-from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
@@ -94,12 +94,8 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: the recording, the model or the output cannot be used.
     """
     _check(arguments)
-    reader = open_recording(
-        arguments.recording,
-        topics_of(arguments),
-        mask_background=arguments.mask_background,
-        need_mask=bool(arguments.model) or arguments.stages is not None,
-    )
+    need_mask = bool(arguments.model) or arguments.stages is not None
+    reader = open_frames(arguments.recording, arguments, need_mask=need_mask)
     estimator = None
     if arguments.model or (_has_default_model() and _needs_model(arguments, reader)):
         estimator = Estimator(load_model(find_model(arguments.model)), graph=arguments.graph)

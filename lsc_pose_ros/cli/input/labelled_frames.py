@@ -20,8 +20,8 @@ import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from lsc_pose_ros.bags import FrameReader, open_recording
-from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.bags import FrameReader
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
@@ -48,8 +48,7 @@ def open_recordings(
         InputError: a recording cannot be opened or has no ground truth.
     """
     readers = [
-        open_recording(path, topics_of(arguments), mask_background=arguments.mask_background)
-        for path in (arguments.recordings if paths is None else paths)
+        open_frames(path, arguments) for path in (arguments.recordings if paths is None else paths)
     ]
     for reader in readers:
         if not reader.topics.ground_truth:

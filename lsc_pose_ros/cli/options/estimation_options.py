@@ -20,7 +20,6 @@ from pathlib import Path
 
 from lsc_pose_ros.cli.options.setting_options import (
     add_group_options,
-    add_setting_options,
     settings_from,
 )
 from lsc_pose_ros.estimation.model_settings import make_estimator
@@ -28,24 +27,17 @@ from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
-from lsc_pose_ros.settings.setting import settings_of
 from lsc_pose_ros.settings.table import (
     SETTINGS,
     DrawingSettings,
     ModelSettings,
-    SegmentationSettings,
     TemporalSettings,
 )
-
-# Among the options for the topics of a recording, which all commands have that read one.
-_TOPIC_OPTIONS = frozenset({'mask_background'})
 
 
 def add_estimation_options(group: argparse._ArgumentGroup) -> None:
     """Add the options of all settings that decide how a recording is estimated."""
     add_group_options(group, ModelSettings)
-    names = [name for name in settings_of(SegmentationSettings) if name not in _TOPIC_OPTIONS]
-    add_setting_options(group, *names)
     add_group_options(group, TemporalSettings)
     add_group_options(group, DrawingSettings)
 

@@ -16,9 +16,12 @@
 """The arguments that name a recording's topics: the same in every command that reads one."""
 
 import argparse
+from pathlib import Path
 
+from lsc_pose_ros.bags import FrameReader, open_recording
 from lsc_pose_ros.bags.topics import Topics
-from lsc_pose_ros.cli.options.setting_options import add_setting_options
+from lsc_pose_ros.cli.options.setting_options import add_group_options, settings_from
+from lsc_pose_ros.settings.table import FrameSettings
 
 _TOPICS = {
     'depth': 'depth images',
@@ -29,7 +32,7 @@ _TOPICS = {
 
 
 def add_topic_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add --mask-background, and --NAME-topic for each of the topics that make up a frame."""
+    """Add --NAME-topic for each topic of a frame, and the settings of how frames are made."""
     group = parser.add_argument_group('topics of the recording')
     for name, what in _TOPICS.items():
         group.add_argument(
@@ -38,7 +41,29 @@ def add_topic_arguments(parser: argparse.ArgumentParser) -> None:
             metavar='TOPIC',
             help=f'the {what} (default: found by type and name)',
         )
-    add_setting_options(group, 'mask_background')
+    add_group_options(
+        parser.add_argument_group(
+            'how frames are made', 'The parameters of pose_node have the same names.'
+        ),
+        FrameSettings,
+    )
+
+
+def open_frames(
+    path: Path, arguments: argparse.Namespace, *, need_mask: bool = True
+) -> FrameReader:
+    """Open the recording at `path` as `arguments` ask for.
+
+    Args:
+        path: the recording.
+        arguments: the command line.
+        need_mask: as `open_recording`.
+
+    Raises:
+        InputError: as `open_recording`.
+    """
+    settings = settings_from(arguments, FrameSettings)
+    return open_recording(path, topics_of(arguments), settings=settings, need_mask=need_mask)
 
 
 def topics_of(arguments: argparse.Namespace) -> Topics:

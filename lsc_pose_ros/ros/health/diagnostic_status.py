@@ -90,6 +90,7 @@ class Interval(NamedTuple):
         before: the counters at its beginning.
         now: the counters at its end.
         measured: the measurements in it.
+        notes: names and values that are shown as they are.
     """
 
     seconds: float
@@ -97,6 +98,7 @@ class Interval(NamedTuple):
     before: Counters
     now: Counters
     measured: Measurements
+    notes: dict[str, str] = {}  # noqa: RUF012 - never changed
 
 
 def status_of(interval: Interval) -> Status:
@@ -134,7 +136,7 @@ def _problems(increase: Counters) -> list[str]:
 def _values(interval: Interval) -> dict[str, str]:
     measured, seconds = interval.measured, max(interval.seconds, 1e-9)
     depth_images = interval.now.depth - interval.before.depth
-    values = {
+    values = interval.notes | {
         'frames in (Hz)': f'{depth_images / seconds:.1f}',
         'estimates out (Hz)': f'{measured.estimates / seconds:.1f}',
         'bodies': str(measured.bodies),

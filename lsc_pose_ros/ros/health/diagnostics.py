@@ -46,6 +46,8 @@ class Diagnostics:
 
     Attributes:
         measurements: collects the measurements; may be used from any thread.
+        notes: names and values that are shown besides the measurements. A value may be set from
+            any thread.
     """
 
     def __init__(self, node: Node, counters: Callable[[], Counters]) -> None:
@@ -58,6 +60,7 @@ class Diagnostics:
             counters: returns the current counters; called in the executor's thread.
         """
         self.measurements = MeasurementCollector()
+        self.notes: dict[str, str] = {}
         self._node = node
         self._counters = counters
         self._before = counters()
@@ -111,6 +114,7 @@ class Diagnostics:
             before,
             now,
             self.measurements.take(),
+            dict(self.notes),
         )
         self._before, self._last = now, time
         return interval

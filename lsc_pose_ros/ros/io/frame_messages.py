@@ -22,13 +22,15 @@ from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.messages.frames import FrameTopics, error_names_topic, make_frame
 from lsc_pose_ros.messages.parse import (
+    StampedCamera,
     StampedCompressedImage,
     StampedImage,
     parse_camera_info,
     parse_compressed_image,
     parse_image,
 )
-from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
+from lsc_pose_ros.messages.rectification import ImageSource
+from lsc_pose_ros.segmentation.segmenter import Segmenter, segmented
 
 ImageMessage: TypeAlias = Image | CompressedImage
 
@@ -41,8 +43,24 @@ class FrameMessages(NamedTuple):
     camera_info: CameraInfo
 
 
+def camera_of(messages: FrameMessages, topics: FrameTopics, rectified: str) -> StampedCamera:
+    """Return the camera of the depth image.
+
+    Args:
+        messages: the messages.
+        topics: the topics of the messages.
+        rectified: the setting.
+
+    Raises:
+        InputError: the camera info cannot be used; the error names its topic.
+    """
+    with error_names_topic(topics.camera_info):
+        return parse_camera_info(messages.camera_info, ImageSource(topics.depth, rectified))
+
+
 def frame_of(
     messages: FrameMessages,
+    camera: StampedCamera,
     topics: FrameTopics,
     mask_background: int,
     segmenter: Segmenter | None = None,
@@ -51,6 +69,7 @@ def frame_of(
 
     Args:
         messages: the messages.
+        camera: the camera of the depth image.
         topics: the topics of the messages.
         mask_background: the mask's pixel value for no body.
         segmenter: finds the bodies if there is no mask; None for a frame without bodies.
@@ -58,8 +77,6 @@ def frame_of(
     Raises:
         InputError: a message cannot be used; the error names its topic.
     """
-    with error_names_topic(topics.camera_info):
-        camera = parse_camera_info(messages.camera_info)
     frame = make_frame(
         _parse_any(messages.depth),
         None if messages.mask is None else _parse_any(messages.mask),
@@ -68,8 +85,7 @@ def frame_of(
         mask_background=mask_background,
     )
     if messages.mask is None and segmenter is not None:
-        labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
-        frame = frame._replace(labels=labels)
+        return segmented(frame, segmenter)
     return frame
 
 

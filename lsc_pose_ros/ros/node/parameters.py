@@ -42,7 +42,12 @@ def declare_parameters(node: Node) -> NodeSettings:
 
 def read_parameters(node: Node) -> NodeSettings:
     """Return the current values of the declared parameters."""
-    return NodeSettings(**{name: node.get_parameter(name).value for name in SETTINGS})
+    return NodeSettings(
+        **{
+            name: setting.text_of(node.get_parameter(name).value)
+            for name, setting in SETTINGS.items()
+        }
+    )
 
 
 def descriptor(setting: Setting) -> ParameterDescriptor:
@@ -53,6 +58,7 @@ def descriptor(setting: Setting) -> ParameterDescriptor:
             filter(None, (' or '.join(setting.choices), f'can be set {setting.change.value}'))
         ),
         read_only=setting.change == Change.START,
+        dynamic_typing=setting.read_as_other_type,
     )
     if setting.lowest is None or setting.highest is None:
         return described

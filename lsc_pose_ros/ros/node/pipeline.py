@@ -22,12 +22,13 @@ from rclpy.node import Node
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
+from lsc_pose_ros.messages.parse import StampedCamera
 from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
 from lsc_pose_ros.ros.health.stream_warnings import Counters, StreamContext, stream_warnings
 from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
-from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, camera_of, frame_of
 from lsc_pose_ros.ros.io.inputs import Inputs
 from lsc_pose_ros.ros.node.preparation import Resources
 from lsc_pose_ros.ros.node.worker import Worker
@@ -111,9 +112,15 @@ class Pipeline:
         """Estimate and publish one frame; called in the worker's thread."""
         stage = self._diagnostics.measurements.stage
         with stage('decode'):
+            camera = camera_of(messages, self.inputs.topics, self._parameters.rectified)
             frame = frame_of(
-                messages, self.inputs.topics, self._parameters.mask_background, self._segmenter
+                messages,
+                camera,
+                self.inputs.topics,
+                self._parameters.mask_background,
+                self._segmenter,
             )
+        self._log_camera(camera)
         self._log_learning()
         clock = StageClock()
         with stage('estimate'):
@@ -124,6 +131,15 @@ class Pipeline:
         with stage('publish'):
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
         self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
+
+    def _log_camera(self, camera: StampedCamera) -> None:
+        """Log how camera infos are read, once and when that changes."""
+        topic = self.inputs.topics.camera_info
+        if camera.choice != self._diagnostics.notes.get('camera'):
+            self._diagnostics.notes['camera'] = camera.choice
+            self._node.get_logger().info(f'{topic}: {camera.choice}')
+        if camera.warning:
+            self._reminders.warning(camera.warning, f'{topic}: {camera.warning}')
 
     def _log_learning(self) -> None:
         """Log when the segmenter starts and finishes to learn the empty scene."""

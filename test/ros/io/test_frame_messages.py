@@ -25,13 +25,16 @@ pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.messages.codecs.png import write_png
 from lsc_pose_ros.messages.parse import parse_image
 from lsc_pose_ros.ros.health.stream_warnings import TopicNames
-from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, camera_of
+from lsc_pose_ros.ros.io.frame_messages import frame_of as frame_of_camera
+from lsc_pose_ros.segmentation.segmenter import Segmenter
+from lsc_pose_ros.settings.table import AUTO
 
 TOPICS = TopicNames('/cam/depth', '/cam/info', '/seg/mask')
 HEIGHT, WIDTH = 12, 16
@@ -60,6 +63,16 @@ def camera_info(height: int = HEIGHT, width: int = WIDTH, focal: float = 20.0) -
     if not focal:
         message.k = np.zeros(9)
     return message
+
+
+def frame_of(
+    messages: FrameMessages,
+    topics: TopicNames,
+    background: int,
+    segmenter: Segmenter | None = None,
+) -> Frame:
+    camera = camera_of(messages, topics, AUTO)
+    return frame_of_camera(messages, camera, topics, background, segmenter)
 
 
 MILLIMETRES = np.arange(1, HEIGHT * WIDTH + 1, dtype='<u2').reshape(HEIGHT, WIDTH) * 10

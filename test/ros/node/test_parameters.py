@@ -74,6 +74,13 @@ def test_values_given_at_the_start(declare: Callable[..., NodeSettings]) -> None
     assert parameters.sync_slop == 0.01
 
 
+@pytest.mark.parametrize('value', ['true', True])
+def test_a_choice_that_ros_reads_as_a_bool_is_a_text(
+    declare: Callable[..., NodeSettings], value: object
+) -> None:
+    assert declare(rectified=value).rectified == 'true'
+
+
 @pytest.mark.parametrize(
     ('name', 'value', 'rule'),
     [
@@ -87,6 +94,7 @@ def test_values_given_at_the_start(declare: Callable[..., NodeSettings]) -> None
         ('segmentation', 'guess', 'mask or background or nearest'),
         ('body_ids', 'names', 'mask or tracked'),
         ('query_points', -1, 'from 0 to 10000'),
+        ('rectified', 5, 'auto or true or false'),
         ('smoothing', 'a little', 'must be of type bool'),
         ('smoothing_cutoff', 1, 'written with a decimal point'),
         ('depth_transport', 'theora', 'raw or compressedDepth'),
@@ -152,6 +160,7 @@ WHILE_UNCONFIGURED = {
     'range_max': 3.0,
     'background_seconds': 1.0,
     'background_margin': 0.2,
+    'rectified': 'true',
     'mask_background': 255,
     'depth_transport': 'compressedDepth',
     'mask_transport': 'compressed',

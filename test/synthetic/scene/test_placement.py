@@ -58,7 +58,7 @@ def pixels(
 ) -> NDArray[np.float64]:
     camera_points = (points + placement.positions[number]) @ placement.tilt.T
     assert (camera_points[..., 2] > 0).all()
-    return camera_points[..., :2] / camera_points[..., 2:] * CAMERA[:2] + CAMERA[2:]
+    return camera_points[..., :2] / camera_points[..., 2:] * CAMERA[:2] + CAMERA[2:4]
 
 
 def assert_inside(places: NDArray[np.float64], margin: float) -> None:
