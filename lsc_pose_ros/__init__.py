@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from lsc_pose_ros.model_io.model_file import load_model
     from lsc_pose_ros.pose.estimator import Estimator
     from lsc_pose_ros.pose.model import Model
+    from lsc_pose_ros.settings.table import FrameSettings
 
 __version__ = '0.1.0'
 
@@ -54,6 +55,7 @@ __all__ = [
     'Estimator',
     'Frame',
     'FrameReader',
+    'FrameSettings',
     'InputError',
     'Intrinsics',
     'Lens',
@@ -73,6 +75,7 @@ _MODULES = {
     'Estimator': 'pose.estimator',
     'Frame': 'data_types.frame',
     'FrameReader': 'bags.frames',
+    'FrameSettings': 'settings.table',
     'InputError': 'errors',
     'Intrinsics': 'data_types.camera',
     'Lens': 'data_types.camera',

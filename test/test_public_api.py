@@ -149,5 +149,5 @@ def test_arguments_of_a_recording_are_checked(recording: Path) -> None:
         open_recording(None)
     with pytest.raises(InputError, match=r'topics is of type str.*Topics\(depth='):
         open_recording(path, '/depth/image')
-    with pytest.raises(InputError, match='mask_background is of type str'):
-        open_recording(path, mask_background='255')
+    with pytest.raises(InputError, match='settings is of type int'):
+        open_recording(path, settings=255)

@@ -18,7 +18,6 @@
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from numbers import Integral
 from pathlib import Path
 from typing import TypeAlias
 
@@ -235,7 +234,7 @@ def open_recording(
         InputError: there is no recording, a topic is missing or ambiguous, or an argument has a
             wrong type.
     """
-    _check_arguments(path, topics, mask_background)
+    _check_arguments(path, topics, settings)
     messages = RecordingReader(path)
     recorded = RecordedTopics(
         str(messages.path), messages.topics, lambda names: _encodings(messages, names)
@@ -250,7 +249,7 @@ def open_recording(
     return FrameReader(messages, found, settings)
 
 
-def _check_arguments(path: object, topics: object, mask_background: object) -> None:
+def _check_arguments(path: object, topics: object, settings: object) -> None:
     if not isinstance(path, (str, os.PathLike)):
         msg = f'the recording must be a path, but is of type {type(path).__name__}'
         raise InputError(msg)
@@ -260,10 +259,10 @@ def _check_arguments(path: object, topics: object, mask_background: object) -> N
             "for example Topics(depth='/camera/depth')"
         )
         raise InputError(msg)
-    if not isinstance(mask_background, Integral):
+    if not isinstance(settings, FrameSettings):
         msg = (
-            f'mask_background is of type {type(mask_background).__name__}, but must be an '
-            'integer: the value of the pixels that show no body'
+            f'settings is of type {type(settings).__name__}, but must be '
+            'lsc_pose_ros.FrameSettings, for example FrameSettings(mask_background=255)'
         )
         raise InputError(msg)
 
