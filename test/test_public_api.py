@@ -20,12 +20,21 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 import lsc_pose_ros
-from lsc_pose_ros import Estimator, Frame, InputError, Model, load_model, open_recording
+from lsc_pose_ros import (
+    Estimator,
+    Frame,
+    FrameSettings,
+    InputError,
+    Model,
+    load_model,
+    open_recording,
+)
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.model_io.model_file import save_model
@@ -151,3 +160,33 @@ def test_arguments_of_a_recording_are_checked(recording: Path) -> None:
         open_recording(path, '/depth/image')
     with pytest.raises(InputError, match='settings is of type int'):
         open_recording(path, settings=255)
+
+
+@pytest.mark.parametrize(
+    ('settings', 'reason'),
+    [
+        ({'segmentation': 'nearst'}, "segmentation cannot be 'nearst'; it must be mask or "),
+        (
+            {'mask_background': '255'},
+            "mask_background cannot be '255'; it must be of type integer",
+        ),
+        ({'mask_background': 1.5}, 'mask_background cannot be 1.5'),
+        ({'mask_background': 65536}, 'mask_background cannot be 65536'),
+        ({'sync_slop': True}, 'sync_slop cannot be True'),
+    ],
+)
+def test_settings_of_a_recording_are_checked(
+    recording: Path, settings: dict[str, Any], reason: str
+) -> None:
+    with pytest.raises(InputError, match=reason):
+        open_recording(recording / 'people.mcap', settings=FrameSettings(**settings))
+
+
+def test_settings_of_other_types_are_converted(recording: Path) -> None:
+    settings: dict[str, Any] = {
+        'rectified': True,
+        'sync_slop': 0,
+        'mask_background': np.uint8(0),
+    }
+    reader = open_recording(recording / 'people.mcap', settings=FrameSettings(**settings))
+    assert sum(len(frame.labels) > 0 for frame in reader) == 3

@@ -41,6 +41,7 @@ from lsc_pose_ros.messages.rectification import ImageSource
 from lsc_pose_ros.messages.stamps import NANOSECONDS
 from lsc_pose_ros.messages.type_names import IMAGE
 from lsc_pose_ros.segmentation.segmenter import Segmenter, make_segmenter, segmented
+from lsc_pose_ros.settings.setting import checked_settings
 from lsc_pose_ros.settings.table import MASK, FrameSettings
 from lsc_pose_ros.synchronization.synchronizer import (
     SynchronizedFrame,
@@ -231,10 +232,11 @@ def open_recording(
         need_mask: if False, a recording without masks gives frames whose labels are all NO_BODY.
 
     Raises:
-        InputError: there is no recording, a topic is missing or ambiguous, or an argument has a
-            wrong type.
+        InputError: there is no recording, a topic is missing or ambiguous, or an argument or
+            a setting cannot be used.
     """
     _check_arguments(path, topics, settings)
+    settings = checked_settings(settings)
     messages = RecordingReader(path)
     recorded = RecordedTopics(
         str(messages.path), messages.topics, lambda names: _encodings(messages, names)

@@ -18,11 +18,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
+from numbers import Integral, Real
 from typing import Any, TypeAlias, TypeVar
+
+from lsc_pose_ros.errors import InputError
 
 Value: TypeAlias = str | bool | int | float
 
 ValueType = TypeVar('ValueType', str, bool, int, float)
+
+Group = TypeVar('Group')
 
 _METADATA_KEY = 'setting'
 
@@ -106,6 +111,27 @@ class Setting:
             return ''
         return f'parameter {self.name}: {value!r} is not known; {self.rule}'
 
+    def checked(self, value: Any) -> Any:  # noqa: ANN401
+        """Return `value` in the type of the setting.
+
+        Raises:
+            InputError: the value has another type, is out of range or none of the choices.
+        """
+        value = self.text_of(value)
+        kind: Any = type(self.default)
+        number = Integral if kind is int else Real if kind is float else ()
+        if isinstance(value, number) and not isinstance(value, bool):
+            value = kind(value)
+        if type(value) is kind and self._allows(value):
+            return value
+        msg = f'the setting {self.name} cannot be {value!r}; {self.rule}'
+        raise InputError(msg)
+
+    def _allows(self, value: Any) -> bool:  # noqa: ANN401
+        if self.choices:
+            return value in self.choices
+        return self.lowest is None or self.highest is None or self.lowest <= value <= self.highest
+
 
 def setting(
     default: ValueType,
@@ -140,3 +166,16 @@ def settings_of(group: type) -> dict[str, Setting]:
     return {
         each.name: replace(each.metadata[_METADATA_KEY], name=each.name) for each in fields(group)
     }
+
+
+def checked_settings(settings: Group) -> Group:
+    """Return `settings`, a dataclass of settings, with each value in the type of its setting.
+
+    Raises:
+        InputError: a value has another type, is out of range or none of the choices.
+    """
+    values = {
+        name: each.checked(getattr(settings, name))
+        for name, each in settings_of(type(settings)).items()
+    }
+    return type(settings)(**values)
