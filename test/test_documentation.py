@@ -56,7 +56,12 @@ OTHER_OPTIONS = {
 }
 
 # Names of other programs that the pages mention.
-OTHER_NAMES = {'rqt_robot_monitor'}
+OTHER_NAMES = {
+    'depth_image_proc',
+    'fix_depth_scale',
+    'image_proc',
+    'rqt_robot_monitor',
+}
 
 
 def name_of(document: Path) -> str:

@@ -146,8 +146,8 @@ def run(arguments: argparse.Namespace) -> int:
     context = TrialContext(selection, ResultStore(arguments.output / 'trials'), read, _progress)
     page = Page(_facts(arguments, defaults, selection), _QUICK if arguments.quick else '',
                 _command(arguments), [])  # fmt: skip
-    publisher = Publisher(arguments.output, page, list(experiments.values()))
     wanted = arguments.only or list(experiments)
+    publisher = Publisher(arguments.output, page, list(experiments.values()), wanted)
     trials = [
         variant.trial for name in wanted for variant in experiments[name].variants if variant.trial
     ]

@@ -17,7 +17,7 @@
 
 import csv
 import io
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from lsc_pose_experiments.drawing import draw_experiment
@@ -30,11 +30,24 @@ from lsc_pose_ros.viz.drawing.canvas import save_png, write_beside
 class Publisher:
     """Writes each experiment into a folder when all its trials are finished."""
 
-    def __init__(self, folder: Path, page: Page, experiments: Sequence[Experiment]) -> None:
-        """Write `experiments` into `folder`; `page` has no sections yet."""
+    def __init__(
+        self, folder: Path, page: Page, experiments: Sequence[Experiment], wanted: Collection[str]
+    ) -> None:
+        """Prepare the page.
+
+        Args:
+            folder: the files are written into it.
+            page: has no sections yet.
+            experiments: all experiments; each has a section.
+            wanted: names of experiments to write. Others are written again if `folder` has their
+                files, since they may share trials with these.
+        """
         self._folder = folder
         self._page = page
         self._experiments = experiments
+        self._shown = {
+            each.name for each in experiments if each.name in wanted or self._csv(each).exists()
+        }
         self._done: dict[str, Section] = {}
 
     def publish(self, context: TrialContext) -> Page:
@@ -44,7 +57,7 @@ class Publisher:
             InputError: a file cannot be written.
         """
         for experiment in self._experiments:
-            if experiment.name not in self._done:
+            if experiment.name in self._shown - self._done.keys():
                 results = results_of(context, experiment)
                 if results is not None:
                     self._done[experiment.name] = self._write(experiment, results)
@@ -55,11 +68,14 @@ class Publisher:
 
     def _write(self, experiment: Experiment, results: TrialResults) -> Section:
         rows = rows_of(experiment, results)
-        path = self._folder / f'{experiment.name}.csv'
+        path = self._csv(experiment)
         write_beside(path, csv_of(rows).encode())
         figure = draw_experiment(experiment, rows)
         save_png(figure, path.with_suffix('.png'))
         return Section(experiment, rows, [claim.judge(results) for claim in experiment.claims])
+
+    def _csv(self, experiment: Experiment) -> Path:
+        return self._folder / f'{experiment.name}.csv'
 
 
 def results_of(context: TrialContext, experiment: Experiment) -> TrialResults | None:

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The camera as it is: its lens, the rays of its pixels, projection."""
+"""Projection from points to pixels and back: the rays of the pixels and the lens."""

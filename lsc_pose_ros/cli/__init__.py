@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command line: parses words, calls the layer below, prints."""
+"""The command line: parses arguments, calls the other packages and prints the results."""

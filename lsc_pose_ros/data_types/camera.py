@@ -27,7 +27,10 @@ RATIONAL_POLYNOMIAL = 'rational_polynomial'
 EQUIDISTANT = 'equidistant'
 
 MOST_COEFFICIENTS = {PLUMB_BOB: 5, RATIONAL_POLYNOMIAL: 12, EQUIDISTANT: 4}
-"""The models of distortion, with the largest number of coefficients that a `Lens` holds."""
+"""The models of distortion, with the largest number of coefficients that a `Lens` holds.
+
+OpenCV's last two, of a tilted sensor, are not among them.
+"""
 
 
 class Lens(NamedTuple):

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Importers of public data sets as labelled frames."""
+"""Imports public data sets as labelled frames."""

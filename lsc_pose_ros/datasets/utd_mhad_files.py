@@ -119,9 +119,7 @@ def _check_selection(selection: Selection) -> None:
 
 
 def _matching_paths(directory: Path, selection: Selection) -> list[Path]:
-    if not (directory / 'Depth').is_dir() or not (directory / 'Skeleton').is_dir():
-        msg = f'{directory} has no folders Depth and Skeleton; give the folder of UTD-MHAD'
-        raise InputError(msg)
+    _check_folders(directory)
     found: dict[tuple[int, ...], Path] = {}
     for path in (directory / 'Depth').iterdir():
         if match := _DEPTH_NAME.fullmatch(path.name):
@@ -147,6 +145,17 @@ def _matching_paths(directory: Path, selection: Selection) -> list[Path]:
         msg = f'no sequence in {directory} has this subject, action and trial; select more'
         raise InputError(msg)
     return paths
+
+
+def _check_folders(directory: Path) -> None:
+    advice = 'give the folder of UTD-MHAD that contains the folders Depth and Skeleton'
+    if not directory.is_dir():
+        msg = f'there is no folder {directory}; {advice}'
+        raise InputError(msg)
+    missing = [name for name in ('Depth', 'Skeleton') if not (directory / name).is_dir()]
+    if missing:
+        msg = f'{directory} has no folder {" and no folder ".join(missing)}; {advice}'
+        raise InputError(msg)
 
 
 def _matches(key: tuple[int, ...], wanted: tuple[Sequence[int] | None, ...]) -> bool:

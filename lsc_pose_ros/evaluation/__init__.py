@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Accuracy and speed of a model."""
+"""Measures the accuracy and the speed of a model."""

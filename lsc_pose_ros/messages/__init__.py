@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Arrays to ROS messages and back; needs neither rclpy nor a bag library."""
+"""Converts ROS messages into arrays and back, without rclpy and without a bag library."""

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import (
     EQUIDISTANT,
+    MOST_COEFFICIENTS,
     PLUMB_BOB,
     RATIONAL_POLYNOMIAL,
     Intrinsics,
@@ -50,10 +51,6 @@ _MODELS = {
     'fisheye': EQUIDISTANT,
     'kannala_brandt4': EQUIDISTANT,
 }
-
-# The number of coefficients that `Lens` holds. OpenCV's last two, of a tilted sensor, are not
-# among them.
-_MOST_COEFFICIENTS = {PLUMB_BOB: 5, RATIONAL_POLYNOMIAL: 12, EQUIDISTANT: 4}
 
 
 class RegionFields(Protocol):
@@ -202,10 +199,10 @@ def _read_lens(calibration: _Calibration) -> tuple[Lens | None, str]:
     # An equidistant lens bends rays also if all its coefficients are 0.
     if not d.any() and (model != EQUIDISTANT or len(d) == 0):
         return None, ''
-    if not model or d[_MOST_COEFFICIENTS[model] :].any():
+    if not model or d[MOST_COEFFICIENTS[model] :].any():
         return None, (
             f'the distortion model {calibration.model!r} with {len(d)} coefficients is not '
             f'known, and D is ignored: joints may be centimetres off. Known are {PLUMB_BOB}, '
             f'{RATIONAL_POLYNOMIAL} and {EQUIDISTANT}; or use the rectified images'
         )
-    return Lens(model, tuple(d[: _MOST_COEFFICIENTS[model]].tolist())), ''
+    return Lens(model, tuple(d[: MOST_COEFFICIENTS[model]].tolist())), ''

@@ -80,7 +80,7 @@ class Estimator:
     ) -> Skeletons:
         """Return the joints of each body in `labels`, in the order of the bodies' numbers.
 
-        A body of which too little is visible has NaN joints with confidence 0.
+        If too little of a body is visible, its joints are NaN with confidence 0.
 
         Args:
             depth: metres, 0 if the sensor measured nothing, shape (H, W). float32 is the fastest;

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Bodies in a depth image that has no mask."""
+"""Finds the bodies in depth images without a mask."""

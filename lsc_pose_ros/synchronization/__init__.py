@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Depth image, mask and camera info of one moment, matched by their stamps."""
+"""Matches the depth images, masks and camera infos of the same moment by their stamps."""

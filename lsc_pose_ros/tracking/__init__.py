@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Body numbers and joints over time."""
+"""Tracks bodies over time and smooths their joints."""

@@ -253,9 +253,13 @@ def test_impossible_selection_is_refused(small: Path, selection: Selection, word
 
 
 def test_folder_that_is_not_utd_mhad_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match='no folders Depth and Skeleton'):
+    with pytest.raises(InputError, match=r'there is no folder .*nowhere.* Depth and Skeleton'):
         select_sequences(tmp_path / 'nowhere', Selection())
+    with pytest.raises(InputError, match='no folder Depth and no folder Skeleton'):
+        select_sequences(tmp_path, Selection())
     (tmp_path / 'Depth').mkdir()
+    with pytest.raises(InputError, match='has no folder Skeleton;'):
+        select_sequences(tmp_path, Selection())
     (tmp_path / 'Skeleton').mkdir()
     with pytest.raises(InputError, match=r'has no file aA_sS_tT_depth\.mat'):
         select_sequences(tmp_path, Selection())

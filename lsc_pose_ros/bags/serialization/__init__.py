@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Serialised messages (CDR) to plain values and back."""
+"""Converts serialized ROS messages (CDR) into arrays and values, and back."""

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""`lsc_pose replay`: a recording answered offline, or published for a live node."""
+"""`lsc_pose replay`: estimates the joints in a recording, or publishes the recording."""
 
 import argparse
 import sys
@@ -38,13 +38,13 @@ from lsc_pose_ros.settings.table import MASK, DrawingSettings
 if TYPE_CHECKING:
     from lsc_pose_ros.ros.playback.player import Player  # needs rclpy, which only --publish loads
 
-HELP = """Estimate the joints in every frame of a recording, as fast as it goes, and write them
-to a new recording together with the messages they come from; or, with --publish, publish the
-recording's messages over ROS 2, as they are, for a live node."""
+HELP = """Estimate the joints in each frame of a recording, as fast as possible, and write them
+to a new recording together with the messages of the frames; or, with --publish, publish the
+messages of the recording over ROS 2, unchanged, for a live node."""
 
 TERMINATED = 143  # 128 + SIGTERM, as shells report it
 
-# Without --wait-for: how long subscribers are waited for before it begins without them, seconds.
+# Without --wait-for: the longest time to wait for subscribers before it starts, seconds.
 _PATIENCE = 3.0
 
 
@@ -86,16 +86,16 @@ def _add_publish_arguments(group: argparse._ArgumentGroup) -> None:
         type=positive_float,
         default=1.0,
         metavar='FACTOR',
-        help='how many times as fast as recorded (default: %(default)s)',
+        help='speed relative to the recorded speed (default: %(default)s)',
     )
     group.add_argument('--clock', action='store_true', help='publish the recorded time on /clock')
-    group.add_argument('--loop', action='store_true', help='begin anew at the end, until stopped')
+    group.add_argument('--loop', action='store_true', help='start again at the end, until stopped')
     group.add_argument(
         '--wait-for',
         type=positive_float,
         metavar='SECONDS',
-        help='wait so long for subscribers to depth images, camera infos and masks, and fail '
-        f'without (default: wait {_PATIENCE:g} s, then begin in any case)',
+        help='wait at most SECONDS for subscribers to depth images, camera infos and masks, and '
+        f'fail if there are none (default: wait at most {_PATIENCE:g} s, then start anyway)',
     )
     group.add_argument(
         '--remap',

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recordings and skeletons that several commands read."""
+"""Reads the recordings and skeletons that several commands need."""

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Descriptors of silhouette points (eq. 3, 4) and the features they are compared with."""
+"""The features of silhouette points: the paper's descriptor (eq. 3, 4) and its rivals."""

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The regression forest, the votes of its leaves, and the body yaw it is told."""
+"""The regression forest, the votes of its leaves, and the estimate of the body yaw."""

@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the node subscribes to and publishes."""
+"""The topics of the node: subscriptions, publishers and transforms."""

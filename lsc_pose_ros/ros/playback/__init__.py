@@ -13,4 +13,4 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Plays recordings onto the wire and collects what is published."""
+"""Publishes recordings over ROS 2, and receives messages."""

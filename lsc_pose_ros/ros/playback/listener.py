@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Collects what is published on some topics, as serialised messages."""
+"""Receives the messages of some topics and keeps them, serialized."""
 
 import threading
 import time
@@ -33,11 +33,11 @@ _QUEUE_DEPTH = 100
 
 
 class Listener:
-    """Subscriptions that keep what comes; `open_listener` is the way to make one.
+    """Subscribes and keeps all messages; use `open_listener` to create one.
 
     Attributes:
         node: the node that subscribes.
-        received: the messages in the order of their arrival.
+        received: the messages in the order in which they came.
     """
 
     def __init__(self, node: Node, topics: Mapping[str, str]) -> None:
@@ -45,7 +45,7 @@ class Listener:
 
         Args:
             node: the node that subscribes.
-            topics: names of topics with the names of their types.
+            topics: the type of each topic, by the topic's name.
 
         Raises:
             InputError: the package of a type is not installed.
@@ -69,13 +69,13 @@ class Listener:
         return any(each.get_publisher_count() for each in self._subscriptions)
 
     def wait_for_publishers(self, seconds: float) -> bool:
-        """Wait until each topic has a publisher; return whether it has within `seconds`."""
+        """Wait at most `seconds` until each topic has a publisher; return whether it has."""
         return _wait_until(
             lambda: all(each.get_publisher_count() for each in self._subscriptions), seconds
         )
 
     def wait_for_messages(self, count: int, seconds: float) -> bool:
-        """Wait until `count` messages have come; return whether they have within `seconds`."""
+        """Wait at most `seconds` for `count` messages; return whether they have come."""
         return _wait_until(lambda: len(self.received) >= count, seconds)
 
     def _keeper(self, topic: str, type_name: str) -> Callable[[bytes], None]:
@@ -87,7 +87,7 @@ class Listener:
 
 @contextmanager
 def open_listener(topics: Mapping[str, str]) -> Iterator[Listener]:
-    """Give a listener that collects in a thread of its own until the end.
+    """Create a listener that receives in its own thread until the end of the `with` block.
 
     Args:
         topics: names of topics with the names of their types.

@@ -13,20 +13,20 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""When a recorded message is due."""
+"""Waits until a recorded message is to be published."""
 
 import time
 from collections.abc import Callable, Iterator
 
-# A wait is cut into pieces of this length, seconds, so that it can be broken off.
+# A wait is cut into pieces of this length, seconds, so that it can be interrupted.
 _SLICE = 0.02
 
 
 class Pacer:
-    """Turns recorded times into waits, so that no error adds up.
+    """Turns recorded times into waits, so that errors do not accumulate.
 
-    The first message is due at once, each other one as long after it as it was recorded, divided
-    by the rate. What is late is due at once.
+    The first message is published immediately. Each other message follows after the time that
+    passed between the two in the recording, divided by the rate; immediately if it is late.
     """
 
     def __init__(
@@ -35,10 +35,10 @@ class Pacer:
         now: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Start with no message.
+        """Start before the first message.
 
         Args:
-            rate: how many recorded seconds pass in one real second.
+            rate: recorded seconds per real second.
             now: the clock, seconds.
             sleep: waits for some seconds.
         """
@@ -48,13 +48,13 @@ class Pacer:
         self._start: tuple[float, int] | None = None
 
     def wait_until(self, log_time: int) -> Iterator[int]:
-        """Wait until a message is due, and meanwhile yield the recorded time that it is now.
+        """Wait until a message is to be published; meanwhile yield the current recorded time.
 
         Args:
             log_time: when the message was recorded, nanoseconds.
 
         Yields:
-            the recorded time in nanoseconds, many times a second, and at last `log_time`.
+            the recorded time in nanoseconds, many times per second, and `log_time` at the end.
         """
         if self._start is None:
             self._start = (self._now(), log_time)

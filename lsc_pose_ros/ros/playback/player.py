@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Plays a recording onto the wire: its messages as they are, at the pace of their recording."""
+"""Publishes the messages of a recording over ROS 2, unchanged, at their recorded times."""
 
 import re
 import time
@@ -39,23 +39,23 @@ if TYPE_CHECKING:
 CLOCK_TOPIC = '/clock'
 
 _QUEUE_DEPTH = 10
-_LATCHED_DEPTH = 1000  # what was published once, /tf_static above all, must all be kept
+_LATCHED_DEPTH = 1000  # topics such as /tf_static must keep all of their messages
 _LATCHED = re.compile(r'durability:\s*(1\b|transient_local)')
 
-# A subscriber that the publisher has found still has to find the publisher; seconds.
+# Seconds until a subscriber has found the publisher after the publisher has found it.
 _SETTLING = 0.5
 
-# How long the last messages may take to their subscribers.
-_FAREWELL = Duration(seconds=2)
+# How long the last messages may take to reach their subscribers.
+_ACKNOWLEDGEMENT_TIMEOUT = Duration(seconds=2)
 
 
 class Playback(NamedTuple):
     """How a recording is played.
 
     Attributes:
-        rate: how many recorded seconds pass in one real second.
-        clock: whether /clock tells the recorded time.
-        remap: recorded names of topics, and the names under which they are played.
+        rate: recorded seconds per real second.
+        clock: whether the recorded time is published on /clock.
+        remap: recorded names of topics, and the names under which they are published.
     """
 
     rate: float = 1.0
@@ -65,7 +65,7 @@ class Playback(NamedTuple):
 
 @contextmanager
 def open_player(reader: RecordingReader, playback: Playback) -> Iterator['Player']:
-    """Give a player whose publishers are there until the end.
+    """Create a player; its publishers are removed at the end of the `with` block.
 
     Args:
         reader: the recording.
@@ -86,15 +86,15 @@ def open_player(reader: RecordingReader, playback: Playback) -> Iterator['Player
 
 
 class Player:
-    """The publishers of one recording; `open_player` is the way to make one.
+    """Publishes one recording; use `open_player` to create one.
 
     Attributes:
-        left_out: a sentence for each topic that cannot be played.
-        published: how many messages have been published.
+        left_out: a sentence for each topic that cannot be published.
+        published: the number of messages that have been published.
     """
 
     def __init__(self, node: Node, reader: RecordingReader, playback: Playback) -> None:
-        """Advertise the recording's topics on `node`; the other arguments as `open_player`."""
+        """Create the publishers on `node`; the other arguments are those of `open_player`."""
         _check_names(reader, playback.remap)
         self._node = node
         self._playback = playback
@@ -111,16 +111,16 @@ class Player:
         """Wait until each of `topics` has a subscriber.
 
         Args:
-            topics: recorded names; those that are not played are passed over.
-            seconds: how long to wait at most.
+            topics: recorded names; topics that are not published are ignored.
+            seconds: the longest time to wait.
 
         Returns:
-            whether they all have one.
+            whether all of them have a subscriber.
         """
-        awaited = [self._publishers[name] for name in topics if name in self._publishers]
+        publishers = [self._publishers[name] for name in topics if name in self._publishers]
         deadline = time.monotonic() + seconds
         while self._node.context.ok():
-            if all(publisher.get_subscription_count() for publisher in awaited):
+            if all(publisher.get_subscription_count() for publisher in publishers):
                 time.sleep(_SETTLING)
                 return True
             if time.monotonic() > deadline:
@@ -129,13 +129,13 @@ class Player:
         return False
 
     def play(self, messages: Iterable[SerializedMessage]) -> bool:
-        """Publish `messages`, once through.
+        """Publish all `messages` once.
 
         Args:
-            messages: the recording's.
+            messages: the messages of the recording.
 
         Returns:
-            whether the end was reached; otherwise SIGTERM has ended it.
+            True if all were published, False if SIGTERM came before the end.
         """
         pacer = Pacer(self._playback.rate)
         for message in messages:
@@ -145,7 +145,7 @@ class Player:
             for moment in pacer.wait_until(message.log_time):
                 if not self._node.context.ok():
                     return False
-                self._tell_time(moment)
+                self._publish_clock(moment)
             publisher.publish(message.data)
             self.published += 1
         return True
@@ -153,7 +153,7 @@ class Player:
     def finish(self) -> None:
         """Wait until the last messages have arrived."""
         for publisher in self._publishers.values():
-            publisher.wait_for_all_acked(_FAREWELL)
+            publisher.wait_for_all_acked(_ACKNOWLEDGEMENT_TIMEOUT)
         time.sleep(_SETTLING)  # best-effort subscribers acknowledge nothing
 
     def _advertise(self, name: str, topic: TopicSummary) -> None:
@@ -168,7 +168,7 @@ class Player:
             return
         self._publishers[name] = self._node.create_publisher(kind, played_as, _qos(topic.qos))
 
-    def _tell_time(self, moment: int) -> None:
+    def _publish_clock(self, moment: int) -> None:
         if self._clock is not None:
             message = Clock()
             message.clock.sec, message.clock.nanosec = divmod(moment, NANOSECONDS)
@@ -183,7 +183,7 @@ def _check_names(reader: RecordingReader, remap: Mapping[str, str]) -> None:
 
 
 def _qos(offered: str) -> QoSProfile:
-    """Return the QoS to play a topic with: reliable, which suits subscribers of both kinds."""
+    """Return the QoS to publish with: reliable, which fits subscribers of both kinds."""
     if _LATCHED.search(offered):
         return QoSProfile(depth=_LATCHED_DEPTH, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
     return QoSProfile(depth=_QUEUE_DEPTH)
