@@ -13,15 +13,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Start pose_node with the topics of a camera, and RViz on request."""
+"""Start pose_node with the topics of a camera, and RViz on request.
+
+All arguments are checked before anything starts. If the node fails, the launch fails.
+"""
 
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import yaml
-from ament_index_python.packages import get_package_share_directory
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, SetEnvironmentVariable
-from launch.conditions import IfCondition
+from ament_index_python.packages import (
+    PackageNotFoundError,
+    get_package_prefix,
+    get_package_share_directory,
+)
+from launch.actions import (
+    DeclareLaunchArgument,
+    OpaqueFunction,
+    RegisterEventHandler,
+    SetEnvironmentVariable,
+)
+from launch.event_handlers import OnProcessExit
+from launch.events.process import ProcessExited
 from launch.substitutions import EnvironmentVariable, LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
@@ -38,11 +51,26 @@ TOPICS = {
     'mask': 'mask',
 }
 
-# The arguments that set a parameter of the node.
-PARAMETERS = ('model', 'segmentation', 'depth_transport')
+# The arguments that set a parameter of the node, and their descriptions.
+PARAMETERS = {
+    'model': 'model file, or the name of a model of the package',
+    'segmentation': 'mask, background or nearest; mask if an argument names the topic of the mask',
+    'rectified': 'auto, true or false',
+    'depth_transport': 'raw or compressedDepth',
+    'mask_transport': 'raw or compressed',
+    'reliability': 'auto, best_effort or reliable',
+    'smoothing': 'true or false',
+    'publish_tf': 'true or false',
+    'use_sim_time': 'true or false',
+}
+
+BOOLEANS = {'smoothing', 'publish_tf', 'use_sim_time'}
 
 # The topics of the node that config/lsc_pose.rviz shows.
 SHOWN = (f'{NODE}/skeletons', f'{NODE}/joint_markers')
+
+# The words that launch accepts for a truth value.
+WORDS = {'true': True, '1': True, 'false': False, '0': False}
 
 
 class Preset(NamedTuple):
@@ -97,16 +125,11 @@ def arguments() -> dict[str, tuple[str, str]]:
             str(config() / 'pose_node.yaml'),
             'file of parameters; the arguments and the file of the camera override it',
         ),
-        'model': (
-            '',
-            'model file, or the name of a model of the package; empty: the value in `config`',
-        ),
-        'segmentation': (
-            '',
-            'mask, background or nearest; empty: mask if `mask` is given, else as in the files',
-        ),
-        'depth_transport': ('', 'raw or compressedDepth'),
-        'rviz': ('false', 'whether to start RViz'),
+        **{
+            name: ('', f'{meaning}; empty: the value in the file of the camera or in `config`')
+            for name, meaning in PARAMETERS.items()
+        },
+        'rviz': ('false', 'whether to start RViz: true or false'),
         'frame': ('', 'fixed frame of RViz; empty: the frame of the camera'),
         'namespace': ('', 'namespace of the node'),
         **{
@@ -116,14 +139,25 @@ def arguments() -> dict[str, tuple[str, str]]:
     }
 
 
-def nodes(context: LaunchContext) -> list[Node]:
-    """Return the nodes for the values of the arguments."""
+def nodes(context: LaunchContext) -> list[Any]:
+    """Return what is started for the values of the arguments.
+
+    Raises:
+        ValueError: an argument cannot be used, so that nothing is started.
+    """
     value = {name: LaunchConfiguration(name).perform(context) for name in ('camera', *arguments())}
+    if not Path(value['config']).is_file():
+        msg = f'config:={value["config"]}: there is no such file'
+        raise ValueError(msg)
     path = config() / 'cameras' / f'{value["camera"]}.yaml'
     preset = Preset(**yaml.safe_load(path.read_text(encoding='utf-8')))
     given = {topic: value[name] for name, topic in TOPICS.items() if value[name]}
     topics = preset.topics | given
-    return [pose_node(value, preset, topics), rviz(value, preset, topics)]
+    node = pose_node(value, preset, topics)
+    started = [RegisterEventHandler(OnProcessExit(target_action=node, on_exit=check_exit)), node]
+    if boolean('rviz', value['rviz']):
+        started.append(rviz(value, preset, topics))
+    return started
 
 
 def pose_node(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> Node:
@@ -131,21 +165,43 @@ def pose_node(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> 
     parameters = dict(preset.parameters)
     if value['mask']:
         parameters['segmentation'] = 'mask'
-    parameters |= {name: value[name] for name in PARAMETERS if value[name]}
+    parameters |= {name: typed(name, value[name]) for name in PARAMETERS if value[name]}
     return Node(
         package='lsc_pose_ros',
         executable='pose_node',
         name=NODE,
         namespace=value['namespace'],
         # A single set of values after the file, because a file hides the sets before it.
-        parameters=[value['config'], *([typed(parameters)] if parameters else [])],
+        parameters=[value['config'], *([quoted(parameters)] if parameters else [])],
         remappings=list(topics.items()),
         output='screen',
     )
 
 
+def check_exit(event: ProcessExited, context: LaunchContext) -> None:
+    """End the launch with an error if the node failed.
+
+    `ros2 launch` returns 1 if an event handler raises an exception, and ends all other processes.
+
+    Raises:
+        RuntimeError: the node failed.
+    """
+    if event.returncode and not context.is_shutdown:
+        msg = f'{NODE} failed with exit status {event.returncode}; its log has the reason'
+        raise RuntimeError(msg)
+
+
 def rviz(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> Node:
-    """Return RViz, which shows the input and the output of the node."""
+    """Return RViz, which shows the input and the output of the node.
+
+    Raises:
+        ValueError: RViz is not installed.
+    """
+    try:
+        get_package_prefix('rviz2')
+    except PackageNotFoundError as error:
+        msg = 'rviz:=true needs the package rviz2, which is not installed'
+        raise ValueError(msg) from error
     shown = topics | {topic: topic for topic in SHOWN}
     return Node(
         package='rviz2',
@@ -160,11 +216,31 @@ def rviz(value: dict[str, str], preset: Preset, topics: dict[str, str]) -> Node:
         remappings=[
             (f'/{topic}', absolute(target, value['namespace'])) for topic, target in shown.items()
         ],
-        condition=IfCondition(LaunchConfiguration('rviz')),
     )
 
 
-def typed(parameters: dict[str, Any]) -> dict[str, Any]:
+def typed(name: str, text: str) -> str | bool:
+    """Return the value of the parameter `name` for the text of an argument.
+
+    Raises:
+        ValueError: the parameter is true or false, and the text is neither.
+    """
+    return boolean(name, text) if name in BOOLEANS else text
+
+
+def boolean(name: str, text: str) -> bool:
+    """Return the truth value that `text` is.
+
+    Raises:
+        ValueError: it is none.
+    """
+    if text.lower() not in WORDS:
+        msg = f'{name}:={text}: it must be true or false'
+        raise ValueError(msg)
+    return WORDS[text.lower()]
+
+
+def quoted(parameters: dict[str, Any]) -> dict[str, Any]:
     """Return `parameters` with texts marked as such, even if they look like numbers."""
     return {
         name: ParameterValue(value, value_type=str) if isinstance(value, str) else value

@@ -21,7 +21,7 @@ import re
 import sys
 from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -63,14 +63,34 @@ class Argument(Made):
         return context[self.words[0]]
 
 
+class PackageNotFoundError(KeyError):
+    """The error of ament_index_python."""
+
+
+def prefix_without_rviz(package: str) -> str:
+    raise PackageNotFoundError(package)
+
+
 STAND_INS: dict[str, dict[str, Any]] = {
     'ament_index_python': {},
-    'ament_index_python.packages': {'get_package_share_directory': lambda _package: str(ROOT)},
+    'ament_index_python.packages': {
+        'PackageNotFoundError': PackageNotFoundError,
+        'get_package_prefix': lambda _package: '/opt/ros',
+        'get_package_share_directory': lambda _package: str(ROOT),
+    },
     'launch': {'LaunchContext': dict, 'LaunchDescription': list},
     'launch.actions': dict.fromkeys(
-        ('DeclareLaunchArgument', 'OpaqueFunction', 'SetEnvironmentVariable'), Made
+        (
+            'DeclareLaunchArgument',
+            'OpaqueFunction',
+            'RegisterEventHandler',
+            'SetEnvironmentVariable',
+        ),
+        Made,
     ),
-    'launch.conditions': {'IfCondition': Made},
+    'launch.event_handlers': {'OnProcessExit': Made},
+    'launch.events': {},
+    'launch.events.process': {'ProcessExited': Made},
     'launch.substitutions': {'EnvironmentVariable': Made, 'LaunchConfiguration': Argument},
     'launch_ros': {},
     'launch_ros.actions': {'Node': Made},
@@ -90,14 +110,19 @@ def launch_file(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return module
 
 
-def started(launch_file: ModuleType, **given: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """What the node and RViz are started with, where the user gives some arguments."""
+def actions(launch_file: ModuleType, **given: str) -> list[Made]:
+    """What the launch file starts, where the user gives some arguments."""
     description = launch_file.generate_launch_description()
     declared = [each for each in description if 'default_value' in each.named]
     values = {each.words[0]: each.named['default_value'] for each in declared}
     assert given.keys() <= values.keys()
     function = next(each.named['function'] for each in description if 'function' in each.named)
-    node, rviz = function(values | given)
+    return function(values | given)
+
+
+def started(launch_file: ModuleType, **given: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """What the node and RViz are started with, where the user gives some arguments."""
+    _handler, node, rviz = actions(launch_file, **{'rviz': 'true'} | given)
     return node.named, rviz.named
 
 
@@ -138,9 +163,13 @@ def test_node_is_started_with_the_documented_parameters(launch_file: ModuleType)
     assert node['parameters'] == [str(CONFIG / 'pose_node.yaml')]
 
 
-def test_model_of_the_command_line_comes_after_the_file(launch_file: ModuleType) -> None:
-    node, _ = started(launch_file, config='mine.yaml', model='2024')
-    assert node['parameters'][0] == 'mine.yaml'
+def test_model_of_the_command_line_comes_after_the_file(
+    launch_file: ModuleType, tmp_path: Path
+) -> None:
+    mine = tmp_path / 'mine.yaml'
+    mine.touch()
+    node, _ = started(launch_file, config=str(mine), model='2024')
+    assert node['parameters'][0] == str(mine)
     assert set_in(node) == {'model': '2024'}
     # Else launch makes a number of it.
     assert node['parameters'][1]['model'].named == {'value_type': str}
@@ -209,15 +238,87 @@ def test_the_command_line_wins_over_the_preset(launch_file: ModuleType) -> None:
     assert rviz['arguments'][-1] == 'left'
 
 
-def test_rviz_starts_only_where_it_is_asked_for(launch_file: ModuleType) -> None:
-    node, rviz = started(launch_file)
-    assert 'condition' not in node
-    (condition,) = rviz['condition'].words
-    assert condition.words == ('rviz',)
-    assert condition.perform({'rviz': 'false'}) == 'false'
-    description = launch_file.generate_launch_description()
-    (argument,) = (each for each in description if each.words[:1] == ('rviz',))
-    assert argument.named['default_value'] == 'false'
+@pytest.mark.parametrize(
+    ('word', 'starts'),
+    [
+        ('true', True),
+        ('True', True),
+        ('1', True),
+        ('false', False),
+        ('FALSE', False),
+        ('0', False),
+    ],
+)
+def test_rviz_starts_only_if_it_is_asked_for(
+    launch_file: ModuleType, word: str, *, starts: bool
+) -> None:
+    executables = [each.named.get('executable') for each in actions(launch_file, rviz=word)]
+    assert executables == [None, 'pose_node', *(['rviz2'] if starts else [])]
+
+
+def test_rviz_is_not_started_by_default(launch_file: ModuleType) -> None:
+    assert len(actions(launch_file)) == 2
+
+
+@pytest.mark.parametrize(
+    ('name', 'value'),
+    [
+        ('rviz', 'yes'),
+        ('rviz', ''),
+        ('smoothing', 'on'),
+        ('publish_tf', '2'),
+        ('use_sim_time', 'sometimes'),
+        ('config', '/nowhere/mine.yaml'),
+        ('config', '/'),
+    ],
+)
+def test_bad_argument_is_named_before_anything_starts(
+    launch_file: ModuleType, name: str, value: str
+) -> None:
+    with pytest.raises(ValueError, match=f'^{name}:={value}: '):
+        actions(launch_file, **{name: value})
+
+
+def test_rviz_that_is_not_installed_is_named_before_anything_starts(
+    launch_file: ModuleType, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(launch_file, 'get_package_prefix', prefix_without_rviz)
+    with pytest.raises(ValueError, match='rviz2, which is not installed'):
+        actions(launch_file, rviz='true')
+    assert len(actions(launch_file)) == 2
+
+
+def test_arguments_set_the_parameters_of_the_node(launch_file: ModuleType) -> None:
+    texts = {
+        'model': 'front',
+        'segmentation': 'background',
+        'rectified': 'true',
+        'depth_transport': 'compressedDepth',
+        'mask_transport': 'compressed',
+        'reliability': 'best_effort',
+    }
+    node, _ = started(launch_file, **texts, smoothing='true', publish_tf='1', use_sim_time='False')
+    booleans = {'smoothing': True, 'publish_tf': True, 'use_sim_time': False}
+    assert set_in(node) == texts | booleans
+    assert booleans.keys() == launch_file.BOOLEANS
+    defaults = yaml.safe_load((CONFIG / 'pose_node.yaml').read_text(encoding='utf-8'))
+    parameters = defaults['/**']['ros__parameters']
+    for name in launch_file.PARAMETERS.keys() - {'use_sim_time'}:
+        assert isinstance(parameters[name], bool) == (name in booleans), name
+
+
+def test_launch_fails_if_the_node_fails(launch_file: ModuleType) -> None:
+    handler, node = actions(launch_file)
+    (on_exit,) = handler.words
+    assert on_exit.named['target_action'] is node
+    check = on_exit.named['on_exit']
+    running, ending = SimpleNamespace(is_shutdown=False), SimpleNamespace(is_shutdown=True)
+    check(SimpleNamespace(returncode=0), running)
+    # While a launch ends, it kills processes that are slow to end.
+    check(SimpleNamespace(returncode=-9), ending)
+    for status in (1, 2, -11):
+        with pytest.raises(RuntimeError, match=f'pose_node failed with exit status {status}'):
+            check(SimpleNamespace(returncode=status), running)
 
 
 def test_rviz_shows_the_topics_that_the_node_has(launch_file: ModuleType) -> None:
