@@ -128,7 +128,7 @@ def test_links_lead_somewhere(document: Path) -> None:
             assert anchor in anchors_of(target), link
 
 
-def test_the_index_lists_every_page() -> None:
+def test_index_lists_every_page() -> None:
     index = ROOT / 'docs' / 'README.md'
     listed = {(index.parent / link).resolve() for link in links_of(index)}
     assert {page.resolve() for page in DOCS if page != index} <= listed

@@ -85,7 +85,7 @@ def test_no_recording_is_used_for_training_and_tests(recipe: table.Recipe) -> No
     assert learnt.isdisjoint(part.name for part in (*recipe.tests, *recipe.others))
 
 
-def test_a_fifth_of_the_clips_is_held_out(tmp_path: Path) -> None:
+def test_fifth_of_the_clips_is_held_out(tmp_path: Path) -> None:
     folder = tmp_path / 'clips'
     (folder / 'more').mkdir(parents=True)
     for number in range(9):
@@ -124,7 +124,7 @@ def tiny(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(make, 'COMMON_TRAIN_OPTIONS', ())
 
 
-def test_a_model_is_trained_and_evaluated_once(tiny: None, tmp_path: Path) -> None:
+def test_model_is_trained_and_evaluated_once(tiny: None, tmp_path: Path) -> None:
     assert tiny is None
     kept, target = tmp_path / 'kept', tmp_path / 'models'
     target.mkdir()

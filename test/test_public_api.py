@@ -122,7 +122,7 @@ def test_examples_run_as_they_are_written(
         assert capsys.readouterr().out
 
 
-def test_the_example_estimates_every_frame_of_the_recording(
+def test_example_estimates_every_frame_of_the_recording(
     recording: Path, small_model: Model
 ) -> None:
     estimator = Estimator(small_model)
@@ -142,7 +142,7 @@ def test_models_of_the_package_are_loaded_by_name(shipped: Path, small_model: Mo
         load_model('back')
 
 
-def test_the_default_model_estimates_all_joints() -> None:
+def test_default_model_estimates_all_joints() -> None:
     assert len(load_model('default').joints) == len(JOINT_NUMBERS)
 
 

@@ -175,7 +175,7 @@ def test_no_frame_compiles_anything_after_the_warm_up(
     assert report['later'] == []
 
 
-def test_a_model_with_body_yaws_is_warmed_up_completely(
+def test_model_with_body_yaws_is_warmed_up_completely(
     body_yaw_model_file: Path, recording: Path
 ) -> None:
     report = json.loads(run(COUNT + LIVE, body_yaw_model_file, recording, 1)[-1])

@@ -154,8 +154,9 @@ def _check_background(labels: NDArray[np.int32], bodies: NDArray[np.uint16]) -> 
     """Raise InputError if body 0 seems to be the background of a mask."""
     if len(bodies) and bodies[0] == 0 and labels.min() >= 0:
         msg = (
-            'labels has no pixel without a body (NO_BODY, -1), and 0 is the number of a body; '
-            'convert a mask with lsc_pose_ros.labels_from_mask(mask, background=0)'
+            'labels has no pixel without a body (NO_BODY, -1), but 0 as the number of a body; if '
+            '0 is the background of the mask, set mask_background to 0, or convert the mask with '
+            'lsc_pose_ros.labels_from_mask(mask, background=0)'
         )
         raise InputError(msg)
 

@@ -73,7 +73,7 @@ def test_undistort_is_the_inverse(lens: Lens) -> None:
     np.testing.assert_allclose(found, directions, atol=1e-7)
 
 
-def test_a_wide_lens_is_inverted_up_to_its_edge() -> None:
+def test_wide_lens_is_inverted_up_to_its_edge() -> None:
     lens = Lens(EQUIDISTANT, (0.0, 0.0, 0.0, 0.0))
     angles = np.radians([0, 1, 30, 60, 79])
     directions = np.stack([np.tan(angles), np.zeros(5)], axis=1)
@@ -89,7 +89,7 @@ def test_rays_outside_of_the_unique_field_have_no_place_in_the_image() -> None:
     assert np.isnan(distorted[1:]).all()
 
 
-def test_a_place_that_no_ray_reaches_has_the_ray_at_the_limit() -> None:
+def test_position_that_no_ray_reaches_has_the_ray_at_the_limit() -> None:
     lens = Lens(PLUMB_BOB, (-0.3,))
     x, y = undistort(np.array([[0.9, 0.0]]), lens)[0]
     assert x == pytest.approx(1 / math.sqrt(0.9), abs=2e-3)  # the limit is searched in steps
@@ -100,7 +100,7 @@ def test_a_place_that_no_ray_reaches_has_the_ray_at_the_limit() -> None:
 @pytest.mark.parametrize(
     'matrix', [[[0, -1], [1, 0]], [[-1, 0], [0, -1]], [[0, 1], [-1, 0]], [[-1, 0], [0, 1]]]
 )
-def test_the_lens_of_a_turned_or_mirrored_image(lens: Lens, matrix: list[list[int]]) -> None:
+def test_lens_of_a_turned_or_mirrored_image(lens: Lens, matrix: list[list[int]]) -> None:
     turn, directions = np.array(matrix, float), random_directions(3)
     turned = distort(directions @ turn.T, transform_lens(lens, turn))
     np.testing.assert_allclose(turned, distort(directions, lens) @ turn.T, atol=1e-12)

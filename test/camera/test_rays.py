@@ -53,6 +53,6 @@ def test_area_is_that_of_a_pixel_at_one_metre(camera: Intrinsics) -> None:
     np.testing.assert_allclose(area, expected, rtol=0.02)
 
 
-def test_the_table_of_a_camera_is_computed_once() -> None:
+def test_table_of_a_camera_is_computed_once() -> None:
     camera = CAMERAS[1]
     assert image_rays(camera, HEIGHT, WIDTH) is image_rays(camera, HEIGHT, WIDTH)

@@ -61,7 +61,7 @@ def test_person_who_faces_the_camera():
     np.testing.assert_allclose(frame.inside(places), [(0, 0, 0.7), (0.2, 0.5, 0.1)], atol=1e-6)
 
 
-def test_the_frame_turns_with_the_body():
+def test_frame_turns_with_the_body():
     random = np.random.default_rng(1)
     for _ in range(20):
         rotation = random_rotation(random)

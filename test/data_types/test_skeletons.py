@@ -21,7 +21,7 @@ import pytest
 from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, no_skeletons, pack, unpack
 
 
-def test_a_point_has_twenty_bytes_in_the_published_order():
+def test_point_has_twenty_bytes_in_the_published_order():
     assert POINT_DTYPE.itemsize == 20
     offsets = {name: field[1] for name, field in POINT_DTYPE.fields.items()}
     assert offsets == {'x': 0, 'y': 4, 'z': 8, 'confidence': 12, 'body': 16, 'joint': 18}

@@ -60,7 +60,7 @@ def test_each_frame_has_the_times_of_all_stages_and_of_the_whole(estimator, enco
         np.testing.assert_array_equal(frame.positions, expected.positions)
 
 
-def test_the_stages_run_as_often_as_there_are_bodies(estimator, people, monkeypatch):
+def test_stages_run_as_often_as_there_are_bodies(estimator, people, monkeypatch):
     frame = people[5]
     labels = np.where(frame.labels >= 0, frame.labels, NO_BODY).astype(np.int32)
     labels[:, labels.shape[1] // 2 :] *= 2  # the right half is another body
@@ -90,7 +90,7 @@ def test_frames_with_nobody_are_left_out_and_a_benchmark_of_nobody_is_refused(
         warm_up(estimator, [empty, empty])
 
 
-def test_a_summary_has_the_median_and_the_95th_percentile():
+def test_summary_has_the_median_and_the_95th_percentile():
     times = [
         FrameTimes(
             {stage: 0.001 * n * (k + 1) for k, stage in enumerate(TIMED)},

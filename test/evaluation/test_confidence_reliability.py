@@ -56,7 +56,7 @@ def test_bins_count_what_is_near():
     assert expected_error(bins) == pytest.approx((2 * 0.475 + 2 * 0.25 + 0) / 5)
 
 
-def test_the_errors_of_joints_add_up_and_unlabelled_ones_do_not_count():
+def test_errors_of_joints_add_up_and_unlabelled_ones_do_not_count():
     found = measure_reliability(
         evaluation(
             [[0.05, 0.3, NAN], [0.2, NAN, NAN], [INF, 0.01, NAN]],
@@ -70,7 +70,7 @@ def test_the_errors_of_joints_add_up_and_unlabelled_ones_do_not_count():
     assert sum(each.n for each in found.bins) == 5
 
 
-def test_an_honest_confidence_has_no_error_and_an_overconfident_one_has():
+def test_honest_confidence_has_no_error_and_an_overconfident_one_has():
     rng = np.random.default_rng(3)
     confidence = rng.random((20_000, 1))
     errors = np.where(rng.random(confidence.shape) < confidence, 0.05, 0.3)

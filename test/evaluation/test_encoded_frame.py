@@ -34,7 +34,7 @@ from lsc_pose_ros.evaluation.encoded_frame import decode_frame, encode_frame
         ((0, 65535), '32SC1', -1),
     ],
 )
-def test_a_mask_is_encoded_in_the_fewest_bytes_that_keep_it(numbers, encoding, background):
+def test_mask_is_encoded_in_the_fewest_bytes_that_keep_it(numbers, encoding, background):
     rng = np.random.default_rng(0)
     labels = rng.choice([NO_BODY, *numbers], (6, 9))
     labels[0, : len(numbers)] = numbers

@@ -88,7 +88,7 @@ def test_errors_are_those_of_moved_estimates(positions):
     np.testing.assert_allclose(fit_offsets(moved), 0, atol=1e-6)
 
 
-def test_a_joint_that_is_never_seen_has_no_offset_and_stays(positions):
+def test_joint_that_is_never_seen_has_no_offset_and_stays(positions):
     ground_truth, estimate, _ = positions
     ground_truth[:, 0] = np.nan
     estimate[:, 3] = np.nan

@@ -59,7 +59,7 @@ def test_random_divides_the_frames_of_all(paths, read):
     assert poses(other.test) != poses(frames.test)
 
 
-def test_a_fifth_of_few_frames_is_tested(paths, read):
+def test_fifth_of_few_frames_is_tested(paths, read):
     selection = DataSelection(paths, test_frames=900)
     frames = FrameSampler(selection, 3600, read).frames(folds_of(selection)[0])
     assert (len(frames.train), len(frames.test)) == (96, 24)
@@ -85,7 +85,7 @@ def test_each_recording_is_tested_once(paths, read):
         assert not poses(frames.train) & poses(frames.test)
 
 
-def test_a_recording_is_read_once(paths, read):
+def test_recording_is_read_once(paths, read):
     asked = []
 
     def count(path):

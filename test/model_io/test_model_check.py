@@ -57,11 +57,11 @@ WRONG = {
 }
 
 
-def test_a_trained_model_is_accepted(small_model):
+def test_trained_model_is_accepted(small_model):
     check_model(small_model)
 
 
 @pytest.mark.parametrize('change', WRONG.values(), ids=WRONG.keys())
-def test_a_forest_that_would_misdirect_a_kernel_is_refused(change, small_model):
+def test_forest_that_would_misdirect_a_kernel_is_refused(change, small_model):
     with pytest.raises(UnusableModelError):
         check_model(small_model._replace(forest=change(small_model.forest)))

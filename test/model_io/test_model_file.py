@@ -60,7 +60,7 @@ def estimate(model, frames):
     )
 
 
-def test_a_loaded_model_estimates_the_same_but_for_rounding(small_model, small_model_file, people):
+def test_loaded_model_estimates_the_same_but_for_rounding(small_model, small_model_file, people):
     before, after = (
         estimate(model, people[::8]) for model in (small_model, load_model(small_model_file))
     )
@@ -93,9 +93,7 @@ def test_without_calibration_the_confidence_is_the_fraction_of_the_votes(
     np.testing.assert_array_equal(found.confidence[0], fractions)
 
 
-def test_a_model_with_body_yaws_is_read_back(
-    body_yaw_model, body_yaw_model_file, all_round_people
-):
+def test_model_with_body_yaws_is_read_back(body_yaw_model, body_yaw_model_file, all_round_people):
     again = load_model(body_yaw_model_file)
     assert again.settings == body_yaw_model.settings
     assert again.settings.body_yaws == 8
@@ -130,7 +128,7 @@ def test_each_body_yaw_reaches_the_same_leaves_after_reading(
     assert not np.array_equal(counts[0][0], counts[0][1])
 
 
-def test_a_model_without_body_yaws_has_none(small_model, small_model_file):
+def test_model_without_body_yaws_has_none(small_model, small_model_file):
     assert small_model.settings.body_yaws == 0
     assert small_model.feature_size == load_model(small_model_file).feature_size == 360
     assert describe_model(small_model)['body yaws'] == '0'
@@ -152,20 +150,20 @@ def test_version_3_had_other_names_of_settings(body_yaw_model, body_yaw_model_fi
 
 
 @pytest.mark.parametrize('name', ['default', 'front'])
-def test_the_models_of_the_package_can_be_read(name):
+def test_models_of_the_package_can_be_read(name):
     model = load_model(name)
     assert len(model.joints) == 20
     assert len(model.calibration) == 20
 
 
-def test_the_seed_of_the_offsets_may_be_large(small_model, small_model_file, tmp_path):
+def test_seed_of_the_offsets_may_be_large(small_model, small_model_file, tmp_path):
     settings = small_model.settings._asdict() | {'offset_seed': 2**64}
     header = change_header(small_model_file, settings=settings)
     path = rewrite(small_model_file, tmp_path / 'seeded.npz', header=header)
     assert load_model(path).settings.offset_seed == 2**64
 
 
-def test_an_interrupted_write_leaves_only_the_old_file(small_model, tmp_path, monkeypatch):
+def test_interrupted_write_leaves_only_the_old_file(small_model, tmp_path, monkeypatch):
     path = tmp_path / 'model.npz'
     path.write_bytes(b'old')
 
@@ -179,7 +177,7 @@ def test_an_interrupted_write_leaves_only_the_old_file(small_model, tmp_path, mo
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_model_describes_itself(small_model):
+def test_model_describes_itself(small_model):
     words = describe_model(small_model)
     assert words['joints'].startswith('head, neck, l_shoulder')
     assert words['trees'] == '2'
@@ -190,7 +188,7 @@ def test_a_model_describes_itself(small_model):
     assert words['recordings'] == 'synthetic'
 
 
-def test_a_file_is_small(small_model, small_model_file):
+def test_file_is_small(small_model, small_model_file):
     leaves = len(small_model.forest.joint_votes.start) - 1
     assert small_model_file.stat().st_size < 30 * leaves
     arrays = [*small_model.forest[:4], *small_model.forest.joint_votes]

@@ -27,7 +27,7 @@ from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.model_io.model_header import VERSION
 
 
-def test_a_pickle_is_not_run(tmp_path):
+def test_pickle_is_not_run(tmp_path):
     class Trap:
         def __reduce__(self):
             return (open, (str(tmp_path / 'sprung'), 'w'))
@@ -43,14 +43,14 @@ def test_a_pickle_is_not_run(tmp_path):
     assert not (tmp_path / 'sprung').exists()
 
 
-def test_a_missing_file_and_a_folder_are_named(tmp_path):
+def test_missing_file_and_folder_are_named(tmp_path):
     with pytest.raises(InputError, match=r'no model file .*gone\.npz.*lsc_pose train'):
         load_model(tmp_path / 'gone.npz')
     with pytest.raises(InputError, match='not a usable model'):
         load_model(tmp_path)
 
 
-def test_an_archive_of_other_things_is_no_model(tmp_path):
+def test_archive_of_other_things_is_no_model(tmp_path):
     path = tmp_path / 'other.npz'
     np.savez(path, something=np.arange(3))
     with pytest.raises(InputError, match='no header'):
@@ -72,7 +72,7 @@ def test_another_version_is_refused_by_its_number(version, small_model_file, tmp
         load_model(path)
 
 
-def test_a_zip_bomb_is_refused_before_it_is_unpacked(monkeypatch, small_model_file):
+def test_zip_bomb_is_refused_before_it_is_unpacked(monkeypatch, small_model_file):
     monkeypatch.setattr('lsc_pose_ros.model_io.model_file.LARGEST_ARRAY', 1000)
     with pytest.raises(InputError, match=r'its part \w+\.npy has \d+ bytes'):
         load_model(small_model_file)
@@ -124,7 +124,7 @@ EVIL = {
 
 
 @pytest.mark.parametrize('change', EVIL.values(), ids=EVIL.keys())
-def test_a_file_that_would_misdirect_a_kernel_is_refused(change, small_model_file, tmp_path):
+def test_file_that_would_misdirect_a_kernel_is_refused(change, small_model_file, tmp_path):
     path = rewrite(small_model_file, tmp_path / 'evil.npz', **change(parts_of(small_model_file)))
     with pytest.raises(InputError, match=r'evil\.npz is not a usable model'):
         load_model(path)
@@ -150,7 +150,7 @@ def test_body_yaws_that_would_misdirect_kernels_are_refused(change, body_yaw_mod
 
 
 @pytest.mark.parametrize('part', ['feature', 'joint_target'])
-def test_a_missing_part_is_named(part, body_yaw_model_file, tmp_path):
+def test_missing_part_is_named(part, body_yaw_model_file, tmp_path):
     path = rewrite(body_yaw_model_file, tmp_path / 'evil.npz', **{part: None})
     with pytest.raises(InputError, match=rf'\(its part {part} is missing\)'):
         load_model(path)
@@ -214,7 +214,7 @@ def test_settings_out_of_range_are_refused(name, value, small_model, small_model
         load_model(path)
 
 
-def test_a_feature_with_fewer_numbers_than_the_trees_ask_for_is_refused(
+def test_feature_with_fewer_numbers_than_the_trees_ask_for_is_refused(
     small_model, small_model_file, tmp_path
 ):
     settings = small_model.settings._asdict() | {'feature': '2dsc'}
@@ -242,7 +242,7 @@ def test_damage_gives_an_input_error_or_a_sound_model(small_model_file, tmp_path
         assert len(model.joints)
 
 
-def test_a_broken_description_of_an_array(small_model_file, tmp_path):
+def test_broken_description_of_an_array(small_model_file, tmp_path):
     """Numpy parses it as Python and may raise TokenError or SyntaxError."""
     path = tmp_path / 'damaged.npz'
     for words in (b"{'descr': '|u1', ", b"{'descr': (\x13)}", b'[(' * 40):

@@ -34,7 +34,7 @@ def colcon() -> str:
 
 
 @pytest.mark.parametrize('options', [[], ['--symlink-install']], ids=['copied', 'linked'])
-def test_a_workspace(
+def test_workspace(
     colcon: str,
     options: list[str],
     source: Path,

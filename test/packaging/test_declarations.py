@@ -77,13 +77,13 @@ def text_of(element: ET.Element, name: str) -> str:
     return (element.findtext(name) or '').strip()
 
 
-def test_the_version_is_the_same_everywhere() -> None:
+def test_version_is_the_same_everywhere() -> None:
     setup = re.search(r"version='([^']+)'", (ROOT / 'setup.py').read_text(encoding='utf-8'))
     assert setup is not None
     assert setup.group(1) == lsc_pose_ros.__version__ == text_of(package_xml(), 'version')
 
 
-def test_the_manifest_has_what_ros_needs() -> None:
+def test_manifest_has_what_ros_needs() -> None:
     package = package_xml()
     assert package.get('format') == '3'
     assert text_of(package, 'name') == 'lsc_pose_ros'

@@ -62,7 +62,7 @@ def test_editable(
     assert run(python.with_name('lsc_pose'), '--version', cwd=tmp_path)
 
 
-def test_a_wheel_estimates_a_frame(
+def test_wheel_estimates_a_frame(
     wheel_file: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
 ) -> None:
     python = make_environment(tmp_path / 'environment')
@@ -105,7 +105,7 @@ def test_into_a_folder(
     assert_complete(report, target)
 
 
-def test_a_source_archive_gives_the_same_wheel(
+def test_source_archive_gives_the_same_wheel(
     source: Path, wheel: zipfile.ZipFile, pip_options: list[str], tmp_path: Path
 ) -> None:
     build = f'from setuptools import build_meta; build_meta.build_sdist({str(tmp_path)!r})'

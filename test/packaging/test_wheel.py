@@ -26,7 +26,7 @@ import lsc_pose_ros
 ROOT = Path(__file__).parents[2]
 
 
-def test_the_wheel_holds_the_package_and_nothing_else(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_the_package_and_nothing_else(wheel: zipfile.ZipFile) -> None:
     package = ROOT / 'lsc_pose_ros'
     files = {
         path.relative_to(ROOT).as_posix()
@@ -40,13 +40,13 @@ def test_the_wheel_holds_the_package_and_nothing_else(wheel: zipfile.ZipFile) ->
     }
 
 
-def test_the_wheel_holds_no_test_experiment_or_plain_kernel(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_no_test_experiment_or_plain_kernel(wheel: zipfile.ZipFile) -> None:
     folders = {part for name in wheel.namelist() for part in Path(name).parent.parts}
     others = {'test', 'tests', 'experiments', 'lsc_pose_experiments', 'benchmarks', 'plain'}
     assert not folders & others
 
 
-def test_the_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile) -> None:
+def test_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile) -> None:
     expected = {'share/ament_index/resource_index/packages/lsc_pose_ros'}
     expected.add('share/lsc_pose_ros/package.xml')
     for folder in ('config', 'launch'):
@@ -63,7 +63,7 @@ def test_the_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile
     }
 
 
-def test_the_wheel_gives_both_executables(wheel: zipfile.ZipFile) -> None:
+def test_wheel_gives_both_executables(wheel: zipfile.ZipFile) -> None:
     folder = f'lsc_pose_ros-{lsc_pose_ros.__version__}.dist-info'
     scripts = configparser.ConfigParser()
     scripts.read_string(wheel.read(f'{folder}/entry_points.txt').decode())

@@ -29,7 +29,7 @@ def estimator(small_model):
     return Estimator(small_model)
 
 
-def test_an_empty_mask_has_no_skeleton(estimator, people):
+def test_empty_mask_has_no_skeleton(estimator, people):
     frame = people[0]
     found = estimator.estimate(frame.depth, np.full_like(frame.labels, NO_BODY), frame.camera)
     assert found.positions.shape == (0, len(estimator.joints), 3)
@@ -109,7 +109,7 @@ def test_stages_lead_to_the_estimate(estimator, people):
     assert all(chosen_is_candidate)
 
 
-def test_the_confidence_is_interpolated_at_the_vote_fraction_of_the_joint(estimator, people):
+def test_confidence_is_interpolated_at_the_vote_fraction_of_the_joint(estimator, people):
     frame = people[20]
     calibration = estimator.model.calibration
     knots = np.linspace(0, 1, calibration.shape[1])

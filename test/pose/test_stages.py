@@ -50,13 +50,13 @@ def side_by_side(*frames: Frame) -> Frame:
     return frames[0]._replace(depth=depth, labels=labels)
 
 
-def test_the_method_has_all_stages_in_their_order(small_model):
+def test_method_has_all_stages_in_their_order(small_model):
     assert tuple(stage.name for stage in method_stages(small_model)) == STAGE_NAMES
     without_graph = tuple(stage.name for stage in method_stages(small_model, graph=False))
     assert without_graph == tuple(name for name in STAGE_NAMES if name != GRAPH)
 
 
-def test_an_observer_is_called_after_each_stage_and_changes_nothing(small_model, people):
+def test_observer_is_called_after_each_stage_and_changes_nothing(small_model, people):
     frame, estimator = people[5], Estimator(small_model)
     called = []
     observed = estimator.estimate(frame.depth, frame.labels, frame.camera, called.append)
@@ -66,7 +66,7 @@ def test_an_observer_is_called_after_each_stage_and_changes_nothing(small_model,
     assert called == list(STAGE_NAMES)
 
 
-def test_a_speck_is_given_up_at_its_silhouette(small_model, people):
+def test_speck_is_given_up_at_its_silhouette(small_model, people):
     frame = side_by_side(people[5])
     called = []
     estimator = Estimator(small_model)
@@ -87,7 +87,7 @@ def test_results_of_stages_that_have_not_run_are_not_set(people):
         _ = body.leaves
 
 
-def test_the_description_does_not_depend_on_the_model(small_model, people):
+def test_description_does_not_depend_on_the_model(small_model, people):
     frame = people[5]
     body = Estimator(small_model).estimate_body(frame.depth, frame.labels, frame.camera, 1)
     described = describe_body(frame.depth, frame.labels, frame.camera, 1, small_model.settings)
@@ -95,7 +95,7 @@ def test_the_description_does_not_depend_on_the_model(small_model, people):
     assert described.scale == body.scale
 
 
-def test_a_clock_charges_each_stage_with_the_time_since_the_one_before():
+def test_clock_charges_each_stage_with_the_time_since_the_one_before():
     ticks = iter([1.0, 1.5, 3.5, 4.0])
     clock = StageClock(('first', 'second'), lambda: next(ticks))
     clock('first')
@@ -105,7 +105,7 @@ def test_a_clock_charges_each_stage_with_the_time_since_the_one_before():
 
 
 @pytest.mark.parametrize('queries', [150, 40])
-def test_the_plain_kernels_give_the_same_joints(queries, small_model, people):
+def test_plain_kernels_give_the_same_joints(queries, small_model, people):
     settings = small_model.settings._replace(query_points=queries)
     model = small_model._replace(settings=settings)
     fast, plain = Estimator(model), Estimator(model, stages=plain_stages(model))
@@ -150,7 +150,7 @@ def test_only_the_plain_stages_run_the_plain_kernels(small_model, people, monkey
     assert globals_of_kernel['density'] is density
 
 
-def test_the_rivals_have_no_plain_descriptor():
+def test_rivals_have_no_plain_descriptor():
     assert stages_with_plain_kernels(Settings()) == (SILHOUETTE, DESCRIPTORS, MODES)
     for rival in (Settings(feature='dcf'), Settings(binning='nearest')):
         assert stages_with_plain_kernels(rival) == (SILHOUETTE, MODES)

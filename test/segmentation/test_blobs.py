@@ -177,7 +177,7 @@ def test_trunk_behind_an_arm_is_one_but_two_people_are_not() -> None:
     assert numbers[10, 30] != numbers[40, 30]
 
 
-def test_a_gap_is_bridged_but_a_barrier_is_not() -> None:
+def test_gap_is_bridged_but_a_barrier_is_not() -> None:
     line = np.full((1, 20), 2.0, np.float32)
     line[0, 5:7] = 0
     assert connect_pixels(line, GAP, FOCAL_LENGTHS)[1] == 1

@@ -34,18 +34,18 @@ def test_pose_node_yaml_is_made_from_the_table() -> None:
     assert YAML.read_text(encoding='utf-8') == yaml_file(), 'run `make settings`'
 
 
-def test_the_page_of_parameters_is_made_from_the_table() -> None:
+def test_page_of_parameters_is_made_from_the_table() -> None:
     text = PAGE.read_text(encoding='utf-8')
     assert with_table(text) == text, 'run `make settings`'
     assert markdown_table() in text
 
 
-def test_a_page_without_marks_is_refused() -> None:
+def test_page_without_marks_is_refused() -> None:
     with pytest.raises(ValueError, match='settings: begin'):
         with_table('# Parameters\n')
 
 
-def test_the_file_explains_every_parameter_with_its_default() -> None:
+def test_file_explains_every_parameter_with_its_default() -> None:
     text = yaml_file()
     values = yaml.safe_load(text)['/**']['ros__parameters']
     assert values == {name: declared.default for name, declared in SETTINGS.items()}
@@ -74,7 +74,7 @@ def test_every_setting_is_listed_once() -> None:
 
 
 @pytest.mark.parametrize('name', SETTINGS)
-def test_a_setting_is_complete(name: str) -> None:
+def test_setting_is_complete(name: str) -> None:
     declared = SETTINGS[name]
     assert declared.description.endswith('.')
     assert '\n' not in declared.description

@@ -186,7 +186,7 @@ def test_body_yaw_improves_hips_of_people_from_all_sides(
     assert errors[0] < errors[1] - 0.005
 
 
-def test_the_forest_splits_by_the_body_yaw(body_yaw_model, small_model):
+def test_forest_splits_by_the_body_yaw(body_yaw_model, small_model):
     splits = np.bincount(body_yaw_model.forest.feature[body_yaw_model.forest.feature >= 0])
     assert len(splits) == body_yaw_model.feature_size == 362
     assert splits[-2:].min() > 3 * splits[:-2].mean()  # they are tried at every node

@@ -73,7 +73,7 @@ def made_up(people, joints=3, seed=0):
     return CalibrationData(fractions, near)
 
 
-def test_a_known_probability_is_found():
+def test_known_probability_is_found():
     found = fit_calibration(made_up(20_000))
     assert found.shape == (3, KNOTS)
     expected = np.sqrt(np.linspace(0, 1, KNOTS))
@@ -88,7 +88,7 @@ def test_confidence_does_not_decrease_and_is_never_certain(people):
     assert found.max() < 1
 
 
-def test_a_few_people_do_not_outweigh_the_other_joints():
+def test_few_people_do_not_outweigh_the_other_joints():
     """One joint has three misses, the others have three hundred hits."""
     fractions = np.full((300, 3), 0.6, np.float32)
     near = np.ones_like(fractions)
@@ -100,7 +100,7 @@ def test_a_few_people_do_not_outweigh_the_other_joints():
     assert 0.3 < found[0, knot] < found[1, knot]
 
 
-def test_the_other_joints_count_as_five_people():
+def test_other_joints_count_as_five_people():
     """Of the other joints, 600 of 600 are near; of this one, 0 of 3.
 
     The prior is the fit over all joints. At their vote fraction and above (where it may not fall

@@ -64,7 +64,7 @@ def test_equal_offsets_are_one_cluster():
     assert sizes.tolist() == [25]
 
 
-def test_a_large_leaf_is_thinned_but_keeps_its_weight():
+def test_large_leaf_is_thinned_but_keeps_its_weight():
     offsets = np.random.default_rng(0).normal(0, 0.01, (1000, 3)).astype(np.float32)
     found, sizes = largest_clusters(offsets, SETTINGS)
     np.testing.assert_allclose(found[0], 0, atol=0.01)
@@ -92,7 +92,7 @@ def two_leaves():
     return samples, tree
 
 
-def test_a_leaf_votes_only_for_joints_in_reach():
+def test_leaf_votes_only_for_joints_in_reach():
     samples, tree = two_leaves()
     votes = fit_joint_votes(samples, tree, SETTINGS)
     assert votes.start.tolist() == [0, 1, 2]

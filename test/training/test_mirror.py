@@ -44,7 +44,7 @@ def place(frame, name):
     return select_joints(frame.ground_truth, numbers_of([name]))[:, 0]
 
 
-def test_the_mirror_exchanges_left_and_right(frame):
+def test_mirror_exchanges_left_and_right(frame):
     mirror = mirrored(frame)
     np.testing.assert_array_equal(mirror.ground_truth.joints, frame.ground_truth.joints)
     for name in JOINT_NAMES:
@@ -56,7 +56,7 @@ def test_the_mirror_exchanges_left_and_right(frame):
     )
 
 
-def test_a_joint_lies_on_the_same_pixel_of_the_body_in_the_mirror(frame):
+def test_joint_lies_on_the_same_pixel_of_the_body_in_the_mirror(frame):
     mirror = mirrored(frame)
     pixels = project(place(frame, 'l_knee'), frame.camera)
     reflected = project(place(mirror, 'r_knee'), mirror.camera)
@@ -67,7 +67,7 @@ def test_a_joint_lies_on_the_same_pixel_of_the_body_in_the_mirror(frame):
     np.testing.assert_array_equal(mirror.labels[20], frame.labels[20, ::-1])
 
 
-def test_the_mirror_of_the_mirror_is_the_frame(frame):
+def test_mirror_of_the_mirror_is_the_frame(frame):
     again = mirrored(mirrored(frame))
     np.testing.assert_array_equal(again.depth, frame.depth)
     np.testing.assert_array_equal(again.labels, frame.labels)
@@ -77,7 +77,7 @@ def test_the_mirror_of_the_mirror_is_the_frame(frame):
     assert mirrored(frame._replace(ground_truth=None)).ground_truth is None
 
 
-def test_a_skeleton_with_joints_of_one_side_stays_sorted(frame):
+def test_skeleton_with_joints_of_one_side_stays_sorted(frame):
     keep = numbers_of(['neck', 'l_elbow', 'l_knee', 'r_hip'])
     ground_truth = Skeletons(
         frame.ground_truth.bodies,

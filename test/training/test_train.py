@@ -44,7 +44,7 @@ def strangers(easy):
 
 
 @pytest.mark.parametrize('graph', [True, False])
-def test_a_small_model_finds_strangers(small_model, strangers, graph):
+def test_small_model_finds_strangers(small_model, strangers, graph):
     evaluation = evaluate(Estimator(small_model, graph=graph), strangers)
     summary = summarise(evaluation, 0.1)
     assert len(evaluation.seconds) == 40
@@ -87,7 +87,7 @@ def test_limb_lengths_are_means_over_the_people(people, training):
     np.testing.assert_allclose(limb_lengths(samples, edges), expected, rtol=1e-4)
 
 
-def test_a_joint_that_nobody_labels_is_named(people, training):
+def test_joint_that_nobody_labels_is_named(people, training):
     frames = [
         frame._replace(
             ground_truth=frame.ground_truth._replace(

@@ -166,14 +166,14 @@ def test_spread_differs_from_the_squares_about_the_mean_by_what_no_split_changes
         assert found + unchanged == pytest.approx(expected, abs=1e-4)
 
 
-def test_a_set_without_statistics_costs_nothing():
+def test_set_without_statistics_costs_nothing():
     assert cost_of(np.zeros((4, 4), np.float32), 7) == 0
     assert cost_of(np.zeros((4, 1), np.float32), 7) == 0
 
 
 @pytest.mark.parametrize('seed', range(8))
 @pytest.mark.parametrize('leaf_samples', [1, 20, 149])
-def test_the_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
+def test_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
     quantised, weights = random_samples(seed)
     rng = np.random.default_rng(seed)
     members = rng.permutation(300)[:200].astype(np.int32)
@@ -195,7 +195,7 @@ def test_the_best_threshold_is_the_best_of_those_drawn(seed, leaf_samples):
         assert costs[split[0]] == pytest.approx(cost, abs=1e-4 * len(members))
 
 
-def test_a_feature_that_is_the_same_everywhere_splits_nothing():
+def test_feature_that_is_the_same_everywhere_splits_nothing():
     statistics = sparse(np.full((50, 3, 1), 1 / 3))
     quantised = np.full(50, 9, np.uint8)
     cost, _ = try_feature(
@@ -204,7 +204,7 @@ def test_a_feature_that_is_the_same_everywhere_splits_nothing():
     assert cost == np.inf
 
 
-def test_the_feature_that_separates_is_found_among_those_drawn():
+def test_feature_that_separates_is_found_among_those_drawn():
     quantised, weights = random_samples(0, 300)
     quantised[77] = np.where(np.arange(300) % 2, 200, 10)
     weights[::2] = [1, 0, 0, 0]
@@ -259,7 +259,7 @@ def test_partition_keeps_orders():
 
 @pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])  # by find_split, or in a branch
 @pytest.mark.parametrize('always', [1, 2])
-def test_the_last_features_are_tried_at_every_node(always, branch, monkeypatch):
+def test_last_features_are_tried_at_every_node(always, branch, monkeypatch):
     """Only they separate the samples; a node tries one of 300 others."""
     monkeypatch.setattr('lsc_pose_ros.training.tree_growth.BRANCH_SAMPLES', branch)
     rng = np.random.default_rng(always)
@@ -312,7 +312,7 @@ def walk(tree, node=0, depth=0):
 
 @pytest.mark.parametrize('settings', [GrowthSettings(depth=4), GrowthSettings(leaf_samples=7)])
 @pytest.mark.parametrize('branch', [100, BRANCH_SAMPLES])  # with a trunk, or in one branch
-def test_a_tree_sorts_every_sample_into_the_leaf_that_its_splits_lead_to(
+def test_tree_sorts_every_sample_into_the_leaf_that_its_splits_lead_to(
     settings, branch, monkeypatch
 ):
     monkeypatch.setattr('lsc_pose_ros.training.tree_growth.BRANCH_SAMPLES', branch)

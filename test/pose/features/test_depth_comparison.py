@@ -99,7 +99,7 @@ def test_depth_differences_of_degenerate_bodies() -> None:
     }
 
 
-def test_a_step_in_depth_gives_its_size() -> None:
+def test_step_in_depth_gives_its_size() -> None:
     depth = np.full((20, 20), 2.0, np.float32)
     depth[:, 10:] = 2.4
     offsets = np.array([[0, 0], [0.1, 0]], np.float32)  # 6 pixels at 2 m
@@ -120,7 +120,7 @@ def test_twice_as_far_an_offset_is_half_as_many_pixels() -> None:
     np.testing.assert_array_equal(whole, far)
 
 
-def test_the_pool_is_drawn_from_its_seed_and_fills_its_square() -> None:
+def test_pool_is_drawn_from_its_seed_and_fills_its_square() -> None:
     pool = offset_pool(1000, 0.5, 3)
     again, other = offset_pool.__wrapped__(1000, 0.5, 3), offset_pool(1000, 0.5, 4)
     for ours, same, different in zip(pool, again, other, strict=True):

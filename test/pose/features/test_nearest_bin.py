@@ -89,7 +89,7 @@ def shape_of(frame, settings):
     return describe_body(frame.depth, frame.labels, frame.camera, body, settings)
 
 
-def test_the_setting_binning_decides(people):
+def test_setting_binning_decides(people):
     settings = Settings(points=120, query_points=40)
     shared = shape_of(people[0], settings)
     nearest = shape_of(people[0], settings._replace(binning='nearest'))
@@ -101,7 +101,7 @@ def test_the_setting_binning_decides(people):
     assert np.count_nonzero(nearest.quantised) < 0.6 * np.count_nonzero(shared.quantised)
 
 
-def test_a_fixed_scale_replaces_rho_bar(people):
+def test_fixed_scale_replaces_rho_bar(people):
     settings = Settings(points=120, query_points=120)
     own = shape_of(people[0], settings)
     fixed = shape_of(people[0], settings._replace(fixed_scale=0.5))

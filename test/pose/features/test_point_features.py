@@ -41,7 +41,7 @@ def test_every_feature_describes_every_kind_of_points(feature, sample, people):
     assert (shape.quantised.std(axis=0) > 0).mean() > 0.6
 
 
-def test_the_papers_feature_is_the_descriptor_of_the_silhouette(people):
+def test_papers_feature_is_the_descriptor_of_the_silhouette(people):
     frame, settings = people[5], Settings(points=120)
     shape = describe_body(frame.depth, frame.labels, frame.camera, 1, settings)
     points = shape.silhouette.points
@@ -51,7 +51,7 @@ def test_the_papers_feature_is_the_descriptor_of_the_silhouette(people):
 
 
 @pytest.mark.parametrize('support_radius', [0.5, 1.5])
-def test_the_2d_shape_context_reaches_as_far_as_support_radius_says(support_radius, people):
+def test_2d_shape_context_reaches_as_far_as_support_radius_says(support_radius, people):
     """The radius is `support_radius` times the mean distance of the silhouette's pixels."""
     frame, settings = people[5], Settings(feature='2dsc', support_radius=support_radius, points=80)
     body = describe_body(frame.depth, frame.labels, frame.camera, 1, settings)

@@ -137,7 +137,7 @@ def test_only_the_points_that_are_asked_for_are_described() -> None:
     assert describe(points, some[:0], 0.7, 0.1).shape == (0, DESCRIPTOR_SIZE)
 
 
-def test_a_histogram_sums_to_one_or_is_empty() -> None:
+def test_histogram_sums_to_one_or_is_empty() -> None:
     points = np.random.default_rng(7).normal(0, 0.4, (80, 3)).astype(np.float32)
     points[0] = 50  # nobody near
     sums = plain.describe(points, np.arange(len(points)), 0.7, 0.1).sum(axis=1)

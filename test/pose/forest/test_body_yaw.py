@@ -90,7 +90,7 @@ def test_quantised_body_yaws_are_distinct() -> None:
 
 
 @pytest.mark.parametrize('points', [0, 1, 9])
-def test_the_body_yaw_is_appended_to_each_descriptor(points: int) -> None:
+def test_body_yaw_is_appended_to_each_descriptor(points: int) -> None:
     quantised = np.random.default_rng(points).integers(0, 256, (points, FEATURES)).astype(np.uint8)
     joined = with_body_yaw(quantised, -2.0)
     assert joined.dtype == np.uint8

@@ -137,7 +137,7 @@ def peak_twin(values: np.ndarray, index: int) -> float:
 
 @pytest.mark.parametrize('count', [3, 4, 8])
 @pytest.mark.parametrize('seed', range(5))
-def test_a_peak_is_that_of_a_parabola(count: int, seed: int) -> None:
+def test_peak_is_that_of_a_parabola(count: int, seed: int) -> None:
     values = np.random.default_rng(seed).random(count)
     for index in range(count):
         found = peak_beside(values, index)
@@ -147,7 +147,7 @@ def test_a_peak_is_that_of_a_parabola(count: int, seed: int) -> None:
 
 @pytest.mark.parametrize('index', range(8))
 @pytest.mark.parametrize('peak', [-0.5, -0.2, 0.0, 0.35, 0.5])
-def test_the_peak_of_a_parabola_is_found_all_round_the_circle(index: int, peak: float) -> None:
+def test_peak_of_a_parabola_is_found_all_round_the_circle(index: int, peak: float) -> None:
     values = np.full(8, -100.0)
     for step in (-1, 0, 1):
         values[(index + step) % 8] = 3 - 0.4 * (step - peak) ** 2
@@ -223,7 +223,7 @@ def votes_twin(model: Model, leaves: np.ndarray, points: np.ndarray, scale: floa
 
 
 @pytest.mark.parametrize('body_yaw', [-2.0, 0.0, 3.1])
-def test_the_agreement_is_that_of_the_votes_for_the_given_body_yaw(
+def test_agreement_is_that_of_the_votes_for_the_given_body_yaw(
     body_yaw: float, body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     for person in strangers[:3]:
@@ -263,7 +263,7 @@ def test_all_points_choose_among_the_best_body_yaws_of_a_few(
     assert best > 0.85 * len(strangers)
 
 
-def test_the_body_yaw_of_unknown_people_is_found(
+def test_body_yaw_of_unknown_people_is_found(
     body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     joints = np.stack([person.joints for person in strangers])
@@ -290,7 +290,7 @@ def test_thirty_points_find_the_body_yaw_of_most_people(
     assert (off < 45).mean() > 0.4
 
 
-def test_the_order_of_the_body_yaws_does_not_matter(
+def test_order_of_the_body_yaws_does_not_matter(
     body_yaw_model: Model,
     strangers: list[LabelledPerson],
     found: np.ndarray,
@@ -314,7 +314,7 @@ def test_another_set_of_body_yaws_gives_the_same_result_for_most_people(
     assert (apart(again, found) < 45).mean() > 0.7  # 83 % and more; chance gives 25 %
 
 
-def test_the_order_of_the_points_does_not_matter_much(
+def test_order_of_the_points_does_not_matter_much(
     body_yaw_model: Model, strangers: list[LabelledPerson], found: np.ndarray
 ) -> None:
     rng = np.random.default_rng(0)
@@ -325,7 +325,7 @@ def test_the_order_of_the_points_does_not_matter_much(
     assert (apart(again, found) < 45).mean() > 0.7  # 83 % and more; chance gives 25 %
 
 
-def test_the_leaves_are_those_of_the_descriptors_with_the_body_yaw_if_the_trees_split_by_it(
+def test_leaves_are_those_of_the_descriptors_with_the_body_yaw_if_the_trees_split_by_it(
     small_model: Model, people: list, body_yaw_model: Model, strangers: list[LabelledPerson]
 ) -> None:
     known = list(labelled_people(people[:5], small_model.joints, small_model.settings))

@@ -80,7 +80,7 @@ def test_every_point_finds_its_leaf(seed: int) -> None:
     np.testing.assert_array_equal(find_leaves(forest, quantised), expected)
 
 
-def test_a_level_at_the_threshold_goes_right() -> None:
+def test_value_at_the_threshold_goes_right() -> None:
     votes = random_votes(np.random.default_rng(0), 2, 1)
     forest = Forest(
         np.zeros(1, np.int32),

@@ -38,7 +38,7 @@ def votes_twin(
 
 @pytest.mark.parametrize('seed', range(5))
 @pytest.mark.parametrize('heaviest', [1, 7, 10_000])
-def test_the_heaviest_votes_are_kept(seed: int, heaviest: int) -> None:
+def test_heaviest_votes_are_kept(seed: int, heaviest: int) -> None:
     rng = np.random.default_rng(seed)
     votes = random_votes(rng, 30, 4)
     leaves = rng.integers(0, 30, (40, 3)).astype(np.int32)
@@ -59,7 +59,7 @@ def test_the_heaviest_votes_are_kept(seed: int, heaviest: int) -> None:
         )
 
 
-def test_a_target_without_votes_has_none() -> None:
+def test_target_without_votes_has_none() -> None:
     votes = LeafVotes(
         np.zeros(2, np.int32),
         np.zeros(0, np.uint8),

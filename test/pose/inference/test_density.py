@@ -63,7 +63,7 @@ def test_density_is_equation_14_and_mean_shift_its_weighted_mean(seed: int) -> N
 
 
 @pytest.mark.parametrize('seed', range(5))
-def test_the_plain_kernels_agree(seed: int) -> None:
+def test_plain_kernels_agree(seed: int) -> None:
     votes, weights = random_votes(seed)
     for position in votes[:10] + np.float32(0.02):
         twin = density_twin(position, votes, weights, BANDWIDTH)
@@ -88,7 +88,7 @@ def test_no_votes_give_no_density_and_no_mode() -> None:
 
 
 @pytest.mark.parametrize('seed', range(5))
-def test_a_climb_ends_on_a_mode(seed: int) -> None:
+def test_climb_ends_on_a_mode(seed: int) -> None:
     votes, weights = random_votes(seed)
     mode = np.array(climb(votes[0], cloud(votes, weights), BANDWIDTH), float)
     height = density_twin(mode, votes, weights, BANDWIDTH)
@@ -99,7 +99,7 @@ def test_a_climb_ends_on_a_mode(seed: int) -> None:
 
 
 @pytest.mark.parametrize('seed', range(8))
-def test_the_first_mode_is_the_highest_and_the_second_is_another(seed: int) -> None:
+def test_first_mode_is_the_highest_and_the_second_is_another(seed: int) -> None:
     votes, weights = random_votes(seed)
     modes = find_modes(cloud(votes, weights), BANDWIDTH, 2)
     heights = [density_twin(mode.astype(float), votes, weights, BANDWIDTH) for mode in modes]
@@ -125,7 +125,7 @@ def test_weightless_votes_have_no_mode() -> None:
 
 
 @pytest.mark.parametrize('seed', range(8))
-def test_a_second_mode_is_found_beyond_the_votes_that_lead_to_the_first(seed: int) -> None:
+def test_second_mode_is_found_beyond_the_votes_that_lead_to_the_first(seed: int) -> None:
     """Many votes lie between one and two bandwidths from the first mode and lead back to it."""
     rng = np.random.default_rng(seed)
     first = rng.normal(0, 0.6 * BANDWIDTH, (150, 3))

@@ -107,7 +107,7 @@ def log_g(
 @pytest.mark.parametrize('seed', range(20))
 @pytest.mark.parametrize('empty', [(None, None), (2, None), (None, 1), (5, 0)])
 @pytest.mark.parametrize('legs', [NO_LEGS, LEGS], ids=['as in the paper', 'legs apart'])
-def test_the_choice_is_the_best_of_all_combinations(
+def test_choice_is_the_best_of_all_combinations(
     seed: int, empty: tuple[int | None, int | None], legs: np.ndarray
 ) -> None:
     structure, joints, pairs, candidates = problem(
@@ -164,7 +164,7 @@ def test_ascent_leaves_out_joints_that_are_unknown() -> None:
     assert np.isfinite(np.delete(end, 2, axis=0)).all()
 
 
-def test_the_pair_density_decides_between_equal_candidates() -> None:
+def test_pair_density_decides_between_equal_candidates() -> None:
     """A child has two equally likely positions; only one is a limb's length from its parent."""
     positions = np.array([[0, 0, 2], [0.3, 0, 2], [-0.3, 0, 2]])
     joints = gather_votes([0, 1, 3], positions, np.ones(3))

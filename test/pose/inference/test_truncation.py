@@ -85,7 +85,7 @@ def test_confidence_of_a_body_that_is_not_cut_off_is_unchanged() -> None:
     assert (truncation_factor(joints, window, CAMERA) == 1).all()
 
 
-def test_a_joint_that_is_not_estimated_has_factor_1() -> None:
+def test_joint_that_is_not_estimated_has_factor_1() -> None:
     joints = np.full((2, 3), np.nan, np.float32)
     joints[1] = (0.0, 5.0, 2.0)
     window = window_of(slice(10, HEIGHT), slice(10, 30))

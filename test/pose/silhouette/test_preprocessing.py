@@ -116,7 +116,7 @@ def test_flying_pixels_are_removed_only_if_the_settings_ask_for_it() -> None:
     assert solid[1:] == window[1:]
 
 
-def test_the_silhouette_has_no_flying_pixels_if_the_settings_remove_them() -> None:
+def test_silhouette_has_no_flying_pixels_if_the_settings_remove_them() -> None:
     depth = np.zeros((30, 30), np.float32)
     depth[8:22, 8:22] = 2.0
     flying = np.zeros(depth.shape, bool)
@@ -159,7 +159,7 @@ def test_noise_of_a_slanting_plane_is_found(cut: str) -> None:
     assert depth_noise(depth) == pytest.approx(0.005, rel=0.1)
 
 
-def test_a_flat_surface_has_no_noise_and_quantisation_is_noise() -> None:
+def test_flat_surface_has_no_noise_and_quantisation_is_noise() -> None:
     rows, columns = np.indices((60, 80))
     flat = 2.0 + 0.004 * rows - 0.01 * columns
     assert depth_noise(window_of(*whole_body(flat)).depth) < 1e-6
@@ -249,7 +249,7 @@ def test_sigma_and_the_edge_threshold_are_at_least_a_multiple_of_the_noise(
     assert len(lower.rows) > len(found.rows) > 0
 
 
-def test_a_body_without_noise_is_smoothed_with_the_usual_sigma() -> None:
+def test_body_without_noise_is_smoothed_with_the_usual_sigma() -> None:
     window = window_of(*whole_body(np.full((9, 9), 2.0)))
     plain = find_silhouette(window, RAYS, Settings())
     assert same_silhouette(find_silhouette(window, RAYS, Settings(noise_factor=4.0)), plain)
@@ -299,7 +299,7 @@ def pixel(window: Window, position: tuple[int, int]) -> float:
 
 
 @pytest.mark.parametrize('unseen', [0.0, np.nan])
-def test_a_hole_in_the_body_is_filled_for_any_value_of_the_mask(unseen: float) -> None:
+def test_hole_in_the_body_is_filled_for_any_value_of_the_mask(unseen: float) -> None:
     hole = (4, 4)
     for label in (BODY, NO_BODY, BODY + 1):
         depth, labels = plane_with([])
@@ -309,7 +309,7 @@ def test_a_hole_in_the_body_is_filled_for_any_value_of_the_mask(unseen: float) -
         assert np.isinf(pixel(window_of(depth, labels), hole))
 
 
-def test_a_pixel_with_a_depth_beside_the_body_is_not_a_hole() -> None:
+def test_pixel_with_a_depth_beside_the_body_is_not_a_hole() -> None:
     for label in (NO_BODY, BODY + 1):
         depth, labels = plane_with([])
         labels[4, 4] = label
@@ -318,7 +318,7 @@ def test_a_pixel_with_a_depth_beside_the_body_is_not_a_hole() -> None:
         np.testing.assert_array_equal(window.depth, window_of(depth, labels).depth)
 
 
-def test_a_hole_between_two_bodies_belongs_to_the_surrounding_body() -> None:
+def test_hole_between_two_bodies_belongs_to_the_surrounding_body() -> None:
     depth, labels = plane_with([(4, 4)])
     labels[:, 5:] = BODY + 1
     depth[:, 5:] += np.float32(0.5)
@@ -353,7 +353,7 @@ def test_filled_pixels_fill_no_others() -> None:
     assert np.isfinite(window_of(depth, labels, 6).depth[1:-1, 1:-1]).all()
 
 
-def test_a_single_pixel_does_not_grow() -> None:
+def test_single_pixel_does_not_grow() -> None:
     depth, labels = np.zeros((5, 5), np.float32), np.full((5, 5), BODY, np.int32)
     depth[2, 2] = 2.0
     assert np.isfinite(window_of(depth, labels, 1).depth).sum() == 1

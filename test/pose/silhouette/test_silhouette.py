@@ -118,14 +118,14 @@ def test_edges_are_equation_2(seed: int) -> None:
     np.testing.assert_array_equal(find_edges(window.depth, 0.04), edges_twin(window.depth, 0.04))
 
 
-def test_a_flat_body_that_fills_the_image_has_no_edge() -> None:
+def test_flat_body_that_fills_the_image_has_no_edge() -> None:
     depth = np.full((10, 10), 2.0, np.float32)
     window = cut_out(depth, np.ones((10, 10), np.int32), 1)
     assert window is not None
     assert len(find_edges(window.depth, 0.04)) == 0
 
 
-def test_an_inner_edge_is_found_on_its_near_side_only() -> None:
+def test_inner_edge_is_found_on_its_near_side_only() -> None:
     depth = np.full((10, 10), 2.0, np.float32)
     depth[:, 5:] = 2.5
     window = cut_out(depth, np.ones((10, 10), np.int32), 1)

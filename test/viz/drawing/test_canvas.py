@@ -45,14 +45,14 @@ def picture() -> bytes:
     return png_bytes(figure)
 
 
-def test_the_same_figure_gives_the_same_file_with_any_user_style() -> None:
+def test_same_figure_gives_the_same_file_with_any_user_style() -> None:
     first = picture()
     with mpl.rc_context({'font.size': 23, 'axes.facecolor': 'red', 'savefig.dpi': 33}):
         assert picture() == first
         assert mpl.rcParams['font.size'] == 23
 
 
-def test_a_file_names_no_program_and_no_time(tmp_path: Path) -> None:
+def test_file_names_no_program_and_no_time(tmp_path: Path) -> None:
     path = tmp_path / 'a.png'
     path.write_bytes(picture())
     with Image.open(path) as image:
@@ -83,7 +83,7 @@ def test_what_cannot_be_written_names_the_file_and_leaves_nothing(tmp_path: Path
     assert [path.name for path in tmp_path.iterdir()] == ['taken']
 
 
-def test_the_error_names_a_folder_that_cannot_be_created(tmp_path: Path) -> None:
+def test_error_names_a_folder_that_cannot_be_created(tmp_path: Path) -> None:
     (tmp_path / 'file').touch()
     with pytest.raises(InputError, match=r'file/below: cannot create this folder'):
         make_directory(tmp_path / 'file' / 'below')

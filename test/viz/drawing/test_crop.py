@@ -29,7 +29,7 @@ def centre(box: Box) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize('aspect', [0.5, 0.8, 2.0])
-def test_the_box_has_the_aspect_and_holds_the_body_in_its_middle(aspect: float) -> None:
+def test_box_has_the_aspect_and_holds_the_body_in_its_middle(aspect: float) -> None:
     box = box_around(frame(), 7, aspect)
     assert (box.right - box.left) / (box.bottom - box.top) == pytest.approx(aspect)
     assert centre(box) == (64.5, 34.5)

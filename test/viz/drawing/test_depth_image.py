@@ -42,6 +42,6 @@ def test_without_a_mask_the_whole_scene_is_clear() -> None:
     assert image[0, 0] == 1
 
 
-def test_an_image_without_any_depth_is_white() -> None:
+def test_image_without_any_depth_is_white() -> None:
     blind = frame()._replace(depth=np.zeros((80, 100), np.float32))
     assert (greys(blind) == 1).all()

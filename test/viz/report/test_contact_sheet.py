@@ -63,7 +63,7 @@ def test_without_ground_truth_only_the_estimate_is_drawn(drawn: list[DrawnFrame]
     assert count(image, LEFT) > 10
 
 
-def test_the_same_frames_give_the_same_file(drawn: list[DrawnFrame]) -> None:
+def test_same_frames_give_the_same_file(drawn: list[DrawnFrame]) -> None:
     assert png_bytes(contact_sheet(drawn)) == png_bytes(contact_sheet(drawn))
 
 
@@ -79,7 +79,7 @@ def test_each_frame_has_a_panel(
     assert sum(bool(axes.get_title()) for axes in figure.axes) == frames
 
 
-def test_a_frame_without_bodies_is_drawn_whole(drawn: list[DrawnFrame]) -> None:
+def test_frame_without_bodies_is_drawn_whole(drawn: list[DrawnFrame]) -> None:
     frame = drawn[0].frame
     empty = frame._replace(labels=np.full_like(frame.labels, NO_BODY), ground_truth=None)
     axes = contact_sheet([DrawnFrame('frame 0', empty)]).axes[0]

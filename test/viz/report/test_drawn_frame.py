@@ -63,7 +63,7 @@ NAN = float('nan')
         ([[NAN, NAN, NAN]], [[0.0, 0.0, 0.0]], 'frame 3'),
     ],
 )
-def test_the_caption_has_the_mean_error(
+def test_caption_has_the_mean_error(
     ground_truth: list[list[float]], estimate: list[list[float]], said: str
 ) -> None:
     assert caption(drawn(skeletons(*ground_truth), skeletons(*estimate))) == said

@@ -80,7 +80,7 @@ def text(report: Report, tmp_path_factory: pytest.TempPathFactory) -> str:
     return path.read_text(encoding='utf-8')
 
 
-def test_the_page_contains_its_figures_and_refers_to_nothing_else(text: str) -> None:
+def test_page_contains_its_figures_and_refers_to_nothing_else(text: str) -> None:
     page = Page(text)
     assert page.open == []
     assert page.references == page.images
@@ -92,7 +92,7 @@ def test_the_page_contains_its_figures_and_refers_to_nothing_else(text: str) -> 
             assert np.asarray(image.convert('L')).std() > 5
 
 
-def test_the_page_has_the_scores_and_the_facts(text: str, report: Report) -> None:
+def test_page_has_the_scores_and_the_facts(text: str, report: Report) -> None:
     words = ' '.join(Page(text).words)
     assert 'Mine & <others>' in words
     assert 'a<b>.npz' in words
@@ -104,15 +104,15 @@ def test_the_page_has_the_scores_and_the_facts(text: str, report: Report) -> Non
     assert text.count('<tr><td>') == len(report.summary.joints) + 1
 
 
-def test_the_same_report_is_the_same_page(text: str, report: Report, tmp_path: Path) -> None:
+def test_same_report_is_the_same_page(text: str, report: Report, tmp_path: Path) -> None:
     assert write_report(tmp_path, report).read_text(encoding='utf-8') == text
 
 
-def test_a_report_without_frames_omits_their_headings(report: Report, tmp_path: Path) -> None:
+def test_report_without_frames_omits_their_headings(report: Report, tmp_path: Path) -> None:
     text = write_report(tmp_path, report._replace(best=[], worst=[])).read_text(encoding='utf-8')
     assert 'frames</h2>' not in text
     assert len(Page(text).images) == 3
 
 
-def test_the_page_has_the_expected_calibration_error(evaluation: Evaluation, text: str) -> None:
+def test_page_has_the_expected_calibration_error(evaluation: Evaluation, text: str) -> None:
     assert f'off by {100 * measure_reliability(evaluation).ece:.1f} %' in text

@@ -35,6 +35,6 @@ def test_bin_radii_are_where_the_descriptors_bins_end(radius_bin: int) -> None:
     assert filled.sum(axis=(1, 2))[radius_bin] == pytest.approx(1, abs=1e-3)
 
 
-def test_the_shown_descriptor_is_that_of_an_outermost_point(shown: ShownBody) -> None:
+def test_shown_descriptor_is_that_of_an_outermost_point(shown: ShownBody) -> None:
     x = shown.result.silhouette.points[:, 0]
     assert x[shown_point(shown)] in (x.min(), x.max())

@@ -33,7 +33,7 @@ WITH_MODEL = ['5_votes', '6_densities', '7_pairs', '8_skeleton']
 
 
 @pytest.mark.parametrize('feature', ['2dsc', 'dcf'])
-def test_a_sentence_replaces_the_figure_of_another_feature(
+def test_sentence_replaces_the_figure_of_another_feature(
     feature: str, people: list[Frame], model: Model
 ) -> None:
     settings = model.settings._replace(feature=feature, sample='body')
@@ -64,16 +64,14 @@ def test_without_a_model_the_first_stages_are_drawn(people: list[Frame]) -> None
         assert image.width > image.height
 
 
-def test_the_sheet_numbers_the_stages_and_has_the_error(shown: ShownBody) -> None:
+def test_sheet_numbers_the_stages_and_has_the_error(shown: ShownBody) -> None:
     titles = [axes.get_title() for axes in stage_sheet(shown).axes]
     numbered = [title for title in titles if title]
     assert [title.partition('.')[0] for title in numbered] == list('12345678')
     assert numbered[-1].endswith('cm')
 
 
-def test_a_frame_without_ground_truth_has_stages_too(
-    shown: ShownBody, people: list[Frame]
-) -> None:
+def test_frame_without_ground_truth_has_stages_too(shown: ShownBody, people: list[Frame]) -> None:
     assert shown.model is not None
     blind = show_body('frame 0', people[0]._replace(ground_truth=None), 1, shown.model)
     assert np.isnan(blind.ground_truth(shown.model.joints)).all()
