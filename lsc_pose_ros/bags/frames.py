@@ -30,19 +30,18 @@ from lsc_pose_ros.bags.serialization.deserialize import (
 )
 from lsc_pose_ros.bags.storage.reader import RecordingReader
 from lsc_pose_ros.bags.storage.serialized_messages import ReadStatistics, SerializedMessage
-from lsc_pose_ros.bags.topics import RecordedTopics, Topics, find_topics
+from lsc_pose_ros.bags.topics import RecordedTopics, Topics, Transports, find_topics
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.frames import make_frame
 from lsc_pose_ros.messages.image_pixels import AnyImage
 from lsc_pose_ros.messages.parse import StampedCamera, StampedImage
 from lsc_pose_ros.messages.rectification import ImageSource
 from lsc_pose_ros.messages.stamps import NANOSECONDS
 from lsc_pose_ros.messages.type_names import IMAGE
-from lsc_pose_ros.segmentation.segmenter import Segmenter, make_segmenter, segmented
 from lsc_pose_ros.settings.setting import checked_settings
 from lsc_pose_ros.settings.table import MASK, FrameSettings
+from lsc_pose_ros.synchronization.frame_maker import FrameMaker
 from lsc_pose_ros.synchronization.synchronizer import (
     SynchronizedFrame,
     Synchronizer,
@@ -96,37 +95,21 @@ class FrameReader:
             InputError: a message cannot be used, or there is no complete frame.
         """
         reading = _Reading(self._messages, self.topics, self._settings)
-        segmenter = make_segmenter(self._settings)
+        maker = FrameMaker(self.topics, self._settings)
         frames = 0
         for parts in reading.synchronized():
             frames += 1
-            yield self._make_frame(parts, segmenter)
-        self.warnings.extend(reading.warnings())
+            try:
+                frame = maker.make(parts.depth, parts.mask, parts.camera_info, parts.ground_truth)
+            except InputError as error:
+                msg = f'{self.path}: topic {error}'
+                raise InputError(msg) from error
+            self.camera = maker.camera
+            yield frame
+        self.warnings.extend([*maker.warnings, *reading.warnings()])
         if frames == 0:
             msg = f'{self.path}: no frame could be read: {reading.reason_for_no_frame()}'
             raise InputError('; '.join([msg, *self.warnings]))
-
-    def _make_frame(self, parts: _Parts, segmenter: Segmenter | None) -> Frame:
-        self._note_camera(parts.camera_info)
-        try:
-            frame = make_frame(
-                parts.depth,
-                parts.mask,
-                parts.camera_info,
-                parts.ground_truth,
-                topics=self.topics,
-                mask_background=self._settings.mask_background,
-            )
-        except InputError as error:
-            msg = f'{self.path}: topic {error}'
-            raise InputError(msg) from error
-        return frame if segmenter is None else segmented(frame, segmenter)
-
-    def _note_camera(self, camera: StampedCamera) -> None:
-        self.camera = camera.choice
-        warning = f'{self.topics.camera_info}: {camera.warning}'
-        if camera.warning and warning not in self.warnings:
-            self.warnings.append(warning)
 
 
 class _Reading:
@@ -245,7 +228,8 @@ def open_recording(
         list(messages)  # for its warnings
         raise InputError('; '.join([f'{path}: the recording has no messages', *messages.warnings]))
     with_masks = settings.segmentation == MASK
-    found = find_topics(topics, recorded, need_mask=need_mask and with_masks)
+    transports = Transports(settings.depth_transport, settings.mask_transport)
+    found = find_topics(topics, recorded, transports, need_mask=need_mask and with_masks)
     if not with_masks:
         found = found._replace(mask='')
     return FrameReader(messages, found, settings)

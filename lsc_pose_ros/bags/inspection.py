@@ -45,9 +45,10 @@ class RecordingReport(NamedTuple):
         duration_s: the time from the earliest to the latest message, seconds.
         messages: the number of messages that can be read.
         topics: all topics that are declared or have messages, sorted by name.
-        frames: the number of complete frames: depth image, camera info, mask.
+        frames: the number of complete frames: depth image, camera info, mask if there is one.
         labelled_frames: the number of frames with ground truth.
         frame_topics: the topics of the frames, by their role.
+        camera: how the camera infos were read; '' without frames.
         warnings: a sentence for each problem.
     """
 
@@ -61,6 +62,7 @@ class RecordingReport(NamedTuple):
     frames: int
     labelled_frames: int
     frame_topics: dict[str, str]
+    camera: str
     warnings: list[str]
 
 
@@ -126,5 +128,6 @@ class Inspection:
             frames=self._frame_count,
             labelled_frames=self._labelled,
             frame_topics={name: topic for name, topic in used._asdict().items() if topic},
+            camera=self._frames.camera if self._frames is not None else '',
             warnings=[*reader.warnings, *self._without_frames],
         )

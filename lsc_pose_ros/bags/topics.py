@@ -22,6 +22,7 @@ from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.image_encodings import DEPTH_TYPES
 from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, POINT_CLOUD
+from lsc_pose_ros.settings.table import BACKGROUND, COMPRESSED_DEPTH, NEAREST, RAW
 
 _IMAGES = (IMAGE, COMPRESSED_IMAGE)
 _MASK_WORDS = ('mask', 'body_index', 'label', 'segment')
@@ -55,30 +56,83 @@ class RecordedTopics(NamedTuple):
     encodings: Callable[[Sequence[str]], Mapping[str, str]]
 
 
-def find_topics(given: Topics, recorded: RecordedTopics, *, need_mask: bool = True) -> Topics:
+class Transports(NamedTuple):
+    """The transports of depth images and masks, which image_transport appends to their topics.
+
+    RAW takes what was recorded, the raw images if there are several.
+    """
+
+    depth: str = RAW
+    mask: str = RAW
+
+
+_ANY_TRANSPORT = Transports()
+
+
+def find_topics(
+    given: Topics,
+    recorded: RecordedTopics,
+    transports: Transports = _ANY_TRANSPORT,
+    *,
+    need_mask: bool = True,
+) -> Topics:
     """Return the topics of the frames; `mask` and `ground_truth` are '' if there are none.
 
     Args:
         given: the names that the user has given; each '' is searched for.
         recorded: the topics of the recording.
+        transports: the transports of the images.
         need_mask: True to raise an error if there is no mask.
 
     Raises:
         InputError: a topic is missing, has another type, or is ambiguous.
     """
-    depth = _named(given.depth, _IMAGES, recorded, 'depth') or _find_depth(recorded)
+    given = given._replace(
+        depth=_with_transport(given.depth, transports.depth),
+        mask=_with_transport(given.mask, transports.mask),
+    )
+    depth = _named(given.depth, _IMAGES, recorded, 'depth')
+    if not depth:
+        found = _with_transport(_find_depth(recorded), transports.depth)
+        depth = _named(found, _IMAGES, recorded, 'depth')
     info = _named(given.camera_info, (CAMERA_INFO,), recorded, 'camera-info')
-    mask = _named(given.mask, _IMAGES, recorded, 'mask') or _find_mask(recorded, depth)
+    mask = _named(given.mask, _IMAGES, recorded, 'mask')
+    if not mask:
+        found = _with_transport(_find_mask(recorded, depth), transports.mask)
+        mask = _named(found, _IMAGES, recorded, 'mask')
     ground_truth = _named(given.ground_truth, (POINT_CLOUD,), recorded, 'ground-truth')
     if need_mask and not mask:
-        msg = f'{recorded.path}: no mask topic; {_advice(recorded, _IMAGES, "mask")}'
-        raise InputError(msg)
+        raise InputError(_no_mask(recorded, depth))
     return Topics(
         depth,
         info or _find_camera_info(recorded, depth),
         mask,
         ground_truth or _find_ground_truth(recorded),
     )
+
+
+def _with_transport(topic: str, transport: str) -> str:
+    """Return the topic of the images of `topic` in a transport; '' stays ''."""
+    if not topic or transport == RAW or topic.endswith(f'/{transport}'):
+        return topic
+    return f'{topic}/{transport}'
+
+
+def _no_mask(recorded: RecordedTopics, depth: str) -> str:
+    """Return that no mask was found, and what to do."""
+    base = depth.removesuffix(f'/{COMPRESSED_DEPTH}')
+    others = [
+        name for name in _of_types(recorded, _IMAGES) if name != base and base != _parent(name)
+    ]
+    choice = f'name its topic with --mask-topic ({", ".join(others)}), or ' if others else ''
+    return (
+        f'{recorded.path}: no mask topic was recorded; {choice}'
+        f'find the people without one: --segmentation {BACKGROUND} or {NEAREST}'
+    )
+
+
+def _parent(topic: str) -> str:
+    return topic.rpartition('/')[0]
 
 
 def _named(name: str, types: Sequence[str], recorded: RecordedTopics, option: str) -> str:
@@ -158,7 +212,7 @@ def _of_types(recorded: RecordedTopics, types: Sequence[str]) -> list[str]:
 
 def _without_transports(names: list[str]) -> list[str]:
     """Remove the topics of image_transport whose raw image is among `names`."""
-    return [name for name in names if name.rpartition('/')[0] not in names]
+    return [name for name in names if _parent(name) not in names]
 
 
 def _contains_any(name: str, words: Sequence[str]) -> bool:

@@ -25,6 +25,21 @@ from lsc_pose_ros.segmentation.blobs import BARRIER, body_sized, find_blobs, lab
 
 _MOST_IMAGES = 15
 
+# After the scene is learnt, every so many images it is checked whether something of the size of a
+# body has left it; a check takes about as long as the segmentation of an image.
+_CHECK_PERIOD = 15
+
+# What has left is by so much nearer than what is behind it, at least, metres. The noise of the
+# sensor and a curtain that moves are not.
+_LEFT_MARGIN = 0.3
+
+_NOT_EMPTY = (
+    'segmentation background: the scene was not empty while it was learnt: {}. Bodies are not '
+    'found there; start again without people in view, or use segmentation nearest'
+)
+_MOVED = 'something of the size of a person moved through it'
+_LEFT = 'something of the size of a person has left it'
+
 
 class Background:
     """Learns the empty scene, then finds bodies in front of it.
@@ -32,6 +47,9 @@ class Background:
     Nobody should be in view during the first seconds: the scene is the median depth of each
     pixel. After that, pixels that are nearer than the scene by a margin form blobs that are
     connected in space. Blobs of the size of a body are the bodies 1, 2, ..., the largest first.
+
+    Attributes:
+        warning: a sentence if the scene was not empty while it was learnt, otherwise ''.
     """
 
     def __init__(self, seconds: float, margin: float, range_min: float, range_max: float) -> None:
@@ -48,6 +66,8 @@ class Background:
         self._range = range_min, range_max
         self._begin = 0
         self._seen: list[NDArray[np.float32]] = []
+        self._images_since_check = 0
+        self.warning = ''
         self._scene: NDArray[np.float32] | None = None
 
     @property
@@ -65,7 +85,7 @@ class Background:
             depth: metres, 0 if unknown, shape (H, W).
         """
         if self._scene is not None and self._scene.shape != depth.shape:
-            self._scene = None
+            self._scene, self.warning = None, ''
         if self._scene is not None:
             return
         if not self._seen or self._seen[0].shape != depth.shape or stamp < self._begin:
@@ -77,7 +97,7 @@ class Background:
             self._seen.append(depth.copy())
         if elapsed >= self._duration:
             self._scene = empty_scene(np.stack(self._seen))
-            self._seen = []
+            self._images_since_check = 0
 
     def labels(self, depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.int32]:
         """Return the body number of each pixel, NO_BODY for none, shape (H, W).
@@ -88,11 +108,37 @@ class Background:
         """
         if self._scene is None or self._scene.shape != depth.shape:
             return np.full(depth.shape, NO_BODY, np.int32)
+        if not self.warning:
+            self._check_scene(self._scene, depth, camera)
         nearest, farthest = self._range
         foreground = remove_scene(depth, self._scene, self._margin, nearest, farthest)
         blobs = find_blobs(foreground, camera)
         bodies = body_sized(blobs)
         return label_bodies(blobs, bodies[np.argsort(-blobs.area[bodies], kind='stable')])
+
+    def _check_scene(
+        self, scene: NDArray[np.float32], depth: NDArray[np.float32], camera: Intrinsics
+    ) -> None:
+        """Set the warning if the scene was not empty while it was learnt."""
+        learnt_from, self._seen = self._seen, []
+        if any(self._shows_body_before(scene, image, camera) for image in learnt_from):
+            self.warning = _NOT_EMPTY.format(_MOVED)
+            return
+        self._images_since_check += 1
+        if self._images_since_check >= _CHECK_PERIOD:
+            self._images_since_check = 0
+            # What is now behind the scene was hidden by something that is gone.
+            if self._shows_body_before(depth, scene, camera):
+                self.warning = _NOT_EMPTY.format(_LEFT)
+
+    def _shows_body_before(
+        self, scene: NDArray[np.float32], image: NDArray[np.float32], camera: Intrinsics
+    ) -> bool:
+        """Return whether `image` shows something of the size of a body in front of `scene`."""
+        margin = max(self._margin, _LEFT_MARGIN)
+        known = np.where(scene > 0, scene, np.float32(0))
+        foreground = remove_scene(image, known, margin, *self._range)
+        return len(body_sized(find_blobs(foreground, camera))) > 0
 
 
 @kernel

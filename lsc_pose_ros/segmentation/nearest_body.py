@@ -34,6 +34,7 @@ class NearestBody:
     """
 
     ready = True
+    warning = ''
 
     def __init__(self, range_min: float, range_max: float) -> None:
         """Store the range.

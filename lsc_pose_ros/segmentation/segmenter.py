@@ -21,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.segmentation.background import Background
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
@@ -34,6 +33,10 @@ class Segmenter(Protocol):
     @property
     def ready(self) -> bool:
         """Whether learning has finished; before that no body is found."""
+
+    @property
+    def warning(self) -> str:
+        """A sentence on what is suspicious; '' for nothing."""
 
     def learn(self, stamp: int, depth: NDArray[np.float32]) -> None:
         """Learn from a depth image, before `labels` is called with it.
@@ -76,12 +79,6 @@ def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:
     if settings.segmentation == NEAREST:
         return NearestBody(nearest, farthest)
     return Background(settings.background_seconds, settings.background_margin, nearest, farthest)
-
-
-def segmented(frame: Frame, segmenter: Segmenter) -> Frame:
-    """Return `frame` with the labels that `segmenter` finds in it; the next of its sequence."""
-    labels = segment(segmenter, frame.stamp, frame.depth, frame.camera)
-    return frame._replace(labels=labels)
 
 
 def segment(

@@ -18,6 +18,7 @@
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -207,6 +208,39 @@ def test_person_who_walks_through_during_learning_is_not_in_the_scene() -> None:
     images = np.full((15, 4, 4), 3.0, np.float32)
     images[4:9] = 1.5
     assert (empty_scene(images) == 3.0).all()
+
+
+def warning_after(people: Callable[[int], list[Person]], *, frames: int, room: Room) -> str:
+    """Return what a segmenter warns of that learns from 6 of the frames."""
+    background = Background(0.18, 0.1, *RANGE)
+    for number in range(frames):
+        seen, camera = look(room, people(number), noise_seed=number)
+        segment(background, number * FRAME, seen.depth, camera)
+    return background.warning
+
+
+def test_nobody_during_learning_is_no_warning() -> None:
+    room = Room(boxes=(SOFA, TABLE))
+
+    def walk(number: int) -> list[Person]:
+        return [Person(x=-1.5 + 0.1 * number)] if number > 8 else []
+
+    assert warning_after(walk, frames=40, room=room) == ''
+
+
+def test_person_who_walks_during_learning_is_a_warning() -> None:
+    warning = warning_after(lambda number: [Person(x=-1.0 + 0.3 * number)], frames=8, room=Room())
+    assert 'the scene was not empty while it was learnt: something of the size of a per' in warning
+    assert 'moved' in warning
+
+
+def test_person_who_stands_in_the_scene_and_leaves_later_is_a_warning() -> None:
+    def stand_and_walk(number: int) -> list[Person]:
+        return [Person(x=-0.5 + 0.15 * max(0, number - 10))]
+
+    warning = warning_after(stand_and_walk, frames=40, room=Room())
+    assert 'has left it' in warning
+    assert 'segmentation nearest' in warning
 
 
 def test_removed_scene_is_that_of_numpy() -> None:

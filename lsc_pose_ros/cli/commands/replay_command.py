@@ -33,7 +33,7 @@ from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_fra
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.requirements import load_with_ros
-from lsc_pose_ros.settings.table import MASK, DrawingSettings
+from lsc_pose_ros.settings.table import BACKGROUND, MASK, DrawingSettings
 
 if TYPE_CHECKING:
     from lsc_pose_ros.ros.playback.player import Player  # needs rclpy, which only --publish loads
@@ -128,9 +128,9 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
         for skeletons in progress(answers, reader.count, 'estimating'):
             frames += 1
             bodies += len(skeletons.bodies)
+        _warn(reader.warnings)
         if not bodies:
             raise InputError(_nobody(arguments, frames))
-    _warn(reader.warnings)
     print(f'{output}: {frames} frames, {bodies} bodies')
     return 0
 
@@ -142,9 +142,15 @@ def _nobody(arguments: argparse.Namespace, frames: int) -> str:
             f'{arguments.recording}: the masks of all {frames} frames are empty; '
             'is --mask-background right?'
         )
+    question = 'are --range-min and --range-max right?'
+    if arguments.segmentation == BACKGROUND:
+        question = (
+            f'were the first {arguments.background_seconds:g} s (--background-seconds) without '
+            f'people, and {question}'
+        )
     return (
         f'{arguments.recording}: --segmentation {arguments.segmentation} finds nobody in '
-        f'{frames} frames; are --range-min and --range-max right?'
+        f'{frames} frames; {question}'
     )
 
 

@@ -33,6 +33,7 @@ from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.resources.package_files import DEFAULT_MODEL, find_model, shipped_models
+from lsc_pose_ros.settings.table import MASK
 from lsc_pose_ros.viz.drawing.canvas import save_png
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
@@ -131,7 +132,8 @@ def _needs_model(arguments: argparse.Namespace, reader: FrameReader) -> bool:
     """Return whether the figures need estimates that the recording does not contain."""
     if arguments.stages is not None:
         return True
-    if arguments.skeletons_topic or reader.topics.ground_truth or not reader.topics.mask:
+    shows_bodies = reader.topics.mask or arguments.segmentation != MASK
+    if arguments.skeletons_topic or reader.topics.ground_truth or not shows_bodies:
         return False
     return not find_skeletons_topic(read_messages(arguments.recording), '', '')
 

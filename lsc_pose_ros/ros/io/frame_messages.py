@@ -20,9 +20,8 @@ from typing import NamedTuple, TypeAlias
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lsc_pose_ros.data_types.frame import Frame
-from lsc_pose_ros.messages.frames import FrameTopics, error_names_topic, make_frame
+from lsc_pose_ros.messages.frames import FrameTopics, error_names_topic
 from lsc_pose_ros.messages.parse import (
-    StampedCamera,
     StampedCompressedImage,
     StampedImage,
     parse_camera_info,
@@ -30,7 +29,7 @@ from lsc_pose_ros.messages.parse import (
     parse_image,
 )
 from lsc_pose_ros.messages.rectification import ImageSource
-from lsc_pose_ros.segmentation.segmenter import Segmenter, segmented
+from lsc_pose_ros.synchronization.frame_maker import FrameMaker
 
 ImageMessage: TypeAlias = Image | CompressedImage
 
@@ -43,50 +42,25 @@ class FrameMessages(NamedTuple):
     camera_info: CameraInfo
 
 
-def camera_of(messages: FrameMessages, topics: FrameTopics, rectified: str) -> StampedCamera:
-    """Return the camera of the depth image.
-
-    Args:
-        messages: the messages.
-        topics: the topics of the messages.
-        rectified: the setting.
-
-    Raises:
-        InputError: the camera info cannot be used; the error names its topic.
-    """
-    with error_names_topic(topics.camera_info):
-        return parse_camera_info(messages.camera_info, ImageSource(topics.depth, rectified))
-
-
 def frame_of(
-    messages: FrameMessages,
-    camera: StampedCamera,
-    topics: FrameTopics,
-    mask_background: int,
-    segmenter: Segmenter | None = None,
+    messages: FrameMessages, maker: FrameMaker, topics: FrameTopics, rectified: str
 ) -> Frame:
     """Return the frame that `messages` hold.
 
     Args:
         messages: the messages.
-        camera: the camera of the depth image.
+        maker: makes the frames of the sequence.
         topics: the topics of the messages.
-        mask_background: the mask's pixel value for no body.
-        segmenter: finds the bodies if there is no mask; None for a frame without bodies.
+        rectified: the setting.
 
     Raises:
         InputError: a message cannot be used; the error names its topic.
     """
-    frame = make_frame(
-        _parse_any(messages.depth),
-        None if messages.mask is None else _parse_any(messages.mask),
-        camera,
-        topics=topics,
-        mask_background=mask_background,
-    )
-    if messages.mask is None and segmenter is not None:
-        return segmented(frame, segmenter)
-    return frame
+    source = ImageSource(topics.depth, rectified)
+    with error_names_topic(topics.camera_info):
+        camera = parse_camera_info(messages.camera_info, source)
+    mask = None if messages.mask is None else _parse_any(messages.mask)
+    return maker.make(_parse_any(messages.depth), mask, camera)
 
 
 def _parse_any(image: ImageMessage) -> StampedImage | StampedCompressedImage:

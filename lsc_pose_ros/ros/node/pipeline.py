@@ -22,18 +22,17 @@ from rclpy.node import Node
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
-from lsc_pose_ros.messages.parse import StampedCamera
 from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
 from lsc_pose_ros.ros.health.stream_warnings import Counters, StreamContext, stream_warnings
 from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
-from lsc_pose_ros.ros.io.frame_messages import FrameMessages, camera_of, frame_of
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
 from lsc_pose_ros.ros.io.inputs import Inputs
 from lsc_pose_ros.ros.node.preparation import Resources
 from lsc_pose_ros.ros.node.worker import Worker
-from lsc_pose_ros.segmentation.segmenter import make_segmenter
 from lsc_pose_ros.settings.table import NodeSettings
+from lsc_pose_ros.synchronization.frame_maker import FrameMaker
 
 WARNING_PERIOD = 5.0
 """Seconds from one check of the stream to the next."""
@@ -69,9 +68,6 @@ class Pipeline:
         self._log = ThrottledLog(node.get_logger())
         self._reminders = ThrottledLog(node.get_logger(), REMINDER_PERIOD)
         self._temporal_estimator = TemporalEstimator(resources.estimator(parameters), parameters)
-        self._segmenter = make_segmenter(parameters)
-        self._segmenter_was_ready = True
-        self._log_learning()
         self._outputs = resources.outputs
         self._outputs.parameters = parameters
         self._outputs.open()
@@ -79,6 +75,10 @@ class Pipeline:
             self._process, self._report_failure, 'estimation'
         )
         self.inputs = Inputs(node, parameters, self._log, self._worker.submit)
+        self._maker = FrameMaker(self.inputs.topics, parameters)
+        self._warned: set[str] = set()
+        self._was_ready = True
+        self._log_learning()
         self._last_counters = self._counters()
         self._diagnostics = Diagnostics(node, self._counters)
         # Problems occur in real time, whatever the clock of a recording shows.
@@ -112,15 +112,9 @@ class Pipeline:
         """Estimate and publish one frame; called in the worker's thread."""
         stage = self._diagnostics.measurements.stage
         with stage('decode'):
-            camera = camera_of(messages, self.inputs.topics, self._parameters.rectified)
-            frame = frame_of(
-                messages,
-                camera,
-                self.inputs.topics,
-                self._parameters.mask_background,
-                self._segmenter,
-            )
-        self._log_camera(camera)
+            topics, rectified = self.inputs.topics, self._parameters.rectified
+            frame = frame_of(messages, self._maker, topics, rectified)
+        self._log_frames()
         self._log_learning()
         clock = StageClock()
         with stage('estimate'):
@@ -132,23 +126,25 @@ class Pipeline:
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
         self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
 
-    def _log_camera(self, camera: StampedCamera) -> None:
-        """Log how camera infos are read, once and when that changes."""
-        topic = self.inputs.topics.camera_info
-        if camera.choice != self._diagnostics.notes.get('camera'):
-            self._diagnostics.notes['camera'] = camera.choice
-            self._node.get_logger().info(f'{topic}: {camera.choice}')
-        if camera.warning:
-            self._reminders.warning(camera.warning, f'{topic}: {camera.warning}')
+    def _log_frames(self) -> None:
+        """Log how camera infos are read, when that changes, and what is suspicious."""
+        camera = self._maker.camera
+        if camera != self._diagnostics.notes.get('camera'):
+            self._diagnostics.notes['camera'] = camera
+            self._node.get_logger().info(f'{self.inputs.topics.camera_info}: {camera}')
+        for warning in self._maker.warnings:
+            if warning not in self._warned:
+                self._warned.add(warning)
+                self._node.get_logger().warning(warning)
 
     def _log_learning(self) -> None:
         """Log when the segmenter starts and finishes to learn the empty scene."""
-        ready = self._segmenter is None or self._segmenter.ready
-        if ready and not self._segmenter_was_ready:
+        ready = self._maker.ready
+        if ready and not self._was_ready:
             self._node.get_logger().info('the empty scene is learnt')
-        elif self._segmenter_was_ready and not ready:
+        elif self._was_ready and not ready:
             self._node.get_logger().info('learning the empty scene: nobody should be in view')
-        self._segmenter_was_ready = ready
+        self._was_ready = ready
 
     def _report_failure(self, error: Exception) -> None:
         """Log why a frame could not be estimated; called in the worker's thread."""

@@ -31,10 +31,10 @@ from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_dept
 from lsc_pose_ros.messages.codecs.png import write_png
 from lsc_pose_ros.messages.parse import parse_image
 from lsc_pose_ros.ros.health.stream_warnings import TopicNames
-from lsc_pose_ros.ros.io.frame_messages import FrameMessages, camera_of
-from lsc_pose_ros.ros.io.frame_messages import frame_of as frame_of_camera
-from lsc_pose_ros.segmentation.segmenter import Segmenter
-from lsc_pose_ros.settings.table import AUTO
+from lsc_pose_ros.ros.io.frame_messages import FrameMessages
+from lsc_pose_ros.ros.io.frame_messages import frame_of as frame_of_maker
+from lsc_pose_ros.settings.table import AUTO, NEAREST, FrameSettings
+from lsc_pose_ros.synchronization.frame_maker import FrameMaker
 
 TOPICS = TopicNames('/cam/depth', '/cam/info', '/seg/mask')
 HEIGHT, WIDTH = 12, 16
@@ -65,14 +65,10 @@ def camera_info(height: int = HEIGHT, width: int = WIDTH, focal: float = 20.0) -
     return message
 
 
-def frame_of(
-    messages: FrameMessages,
-    topics: TopicNames,
-    background: int,
-    segmenter: Segmenter | None = None,
-) -> Frame:
-    camera = camera_of(messages, topics, AUTO)
-    return frame_of_camera(messages, camera, topics, background, segmenter)
+def frame_of(messages: FrameMessages, topics: TopicNames, background: int) -> Frame:
+    settings = FrameSettings(mask_background=background)
+    maker = FrameMaker(topics, settings)
+    return frame_of_maker(messages, maker, topics, settings.rectified)
 
 
 MILLIMETRES = np.arange(1, HEIGHT * WIDTH + 1, dtype='<u2').reshape(HEIGHT, WIDTH) * 10
@@ -141,33 +137,17 @@ def test_mask_compressed_with_loss_is_refused() -> None:
         frame_of(whole, TOPICS, 0)
 
 
-class LeftHalf:
-    """A segmenter that takes the image's left half for a body."""
-
-    ready = True
-
-    def __init__(self) -> None:
-        self.stamps: list[int] = []
-
-    def learn(self, stamp: int, depth: np.ndarray) -> None:
-        assert depth.shape == (HEIGHT, WIDTH)
-        self.stamps.append(stamp)
-
-    def labels(self, depth: np.ndarray, camera: Intrinsics) -> np.ndarray:
-        assert camera == Intrinsics(20.0, 20.0, 8.0, 6.0)
-        labels = np.full(depth.shape, NO_BODY, np.int32)
-        labels[:, : WIDTH // 2] = 1
-        return labels
-
-
 def test_without_a_mask_the_segmenter_finds_the_bodies() -> None:
-    segmenter = LeftHalf()
-    whole = FrameMessages(image(MILLIMETRES, '16UC1'), None, camera_info())
-    frame = frame_of(whole, TOPICS, 0, segmenter)
-    assert segmenter.stamps == [STAMP]
-    assert (frame.labels[:, : WIDTH // 2] == 1).all()
-    assert (frame.labels[:, WIDTH // 2 :] == NO_BODY).all()
-    assert (frame_of(whole, TOPICS, 0).labels == NO_BODY).all()
+    room = np.full((120, 160), 4000, '<u2')
+    room[20:100, 60:90] = 2000
+    info = camera_info(120, 160, focal=143.0)
+    info.k[[2, 5]] = 80, 60
+    whole = FrameMessages(image(room, '16UC1'), None, info)
+    maker = FrameMaker(TOPICS, FrameSettings(segmentation=NEAREST, range_max=3.0))
+    frame = frame_of_maker(whole, maker, TOPICS, AUTO)
+    np.testing.assert_array_equal(frame.labels, np.where(room == 2000, 1, NO_BODY))
+    unsegmented = frame_of_maker(whole, FrameMaker(TOPICS, FrameSettings()), TOPICS, AUTO)
+    assert (unsegmented.labels == NO_BODY).all()
 
 
 def test_pixels_are_not_copied_out_of_the_message() -> None:

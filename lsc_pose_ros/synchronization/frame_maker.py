@@ -1,0 +1,93 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Makes labelled frames from synchronized messages, for the live node and for recordings."""
+
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.messages.frames import FrameTopics, make_frame
+from lsc_pose_ros.messages.image_pixels import AnyImage
+from lsc_pose_ros.messages.mask_check import MaskCheck
+from lsc_pose_ros.messages.parse import StampedCamera
+from lsc_pose_ros.segmentation.ground_truth_numbers import numbered_as_ground_truth
+from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
+from lsc_pose_ros.settings.table import FrameSettings
+
+
+class FrameMaker:
+    """Makes the frames of one sequence, one after the other.
+
+    Attributes:
+        camera: how the last camera info was read: which matrix was taken, and why.
+        warnings: sentences on what is suspicious so far, each once.
+    """
+
+    def __init__(self, topics: FrameTopics, settings: FrameSettings) -> None:
+        """Start a sequence.
+
+        Args:
+            topics: the topics of the messages.
+            settings: how frames are made.
+
+        Raises:
+            InputError: the segmentation is unknown, or its range is empty.
+        """
+        self.camera = ''
+        self.warnings: list[str] = []
+        self._topics = topics
+        self._settings = settings
+        self._segmenter = make_segmenter(settings)
+        self._mask_check = MaskCheck(topics.mask, settings.mask_background)
+
+    @property
+    def ready(self) -> bool:
+        """Whether bodies can be found: the segmenter, if there is one, has learnt the scene."""
+        return self._segmenter is None or self._segmenter.ready
+
+    def make(
+        self,
+        depth: AnyImage,
+        mask: AnyImage | None,
+        camera: StampedCamera,
+        ground_truth: Skeletons | None = None,
+    ) -> Frame:
+        """Return the next frame; arguments as `make_frame`.
+
+        Raises:
+            InputError: a message cannot be used; the error names its topic.
+        """
+        self._note_camera(camera)
+        background = self._settings.mask_background
+        frame = make_frame(
+            depth, mask, camera, ground_truth, topics=self._topics, mask_background=background
+        )
+        if self._segmenter is not None:
+            labels = segment(self._segmenter, frame.stamp, frame.depth, frame.camera)
+            if ground_truth is not None:
+                labels = numbered_as_ground_truth(labels, ground_truth, frame.camera)
+            frame = frame._replace(labels=labels)
+            self._warn(self._segmenter.warning)
+        elif mask is not None:
+            self._mask_check.add(frame.labels)
+            self._warn(self._mask_check.warning)
+        return frame
+
+    def _note_camera(self, camera: StampedCamera) -> None:
+        self.camera = camera.choice
+        self._warn(camera.warning and f'{self._topics.camera_info}: {camera.warning}')
+
+    def _warn(self, warning: str) -> None:
+        if warning and warning not in self.warnings:
+            self.warnings.append(warning)
