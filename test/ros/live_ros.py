@@ -191,10 +191,16 @@ def _becomes_done(future: Future) -> bool:
 class Camera:
     """Publishes frames as a camera driver and a segmentation node do."""
 
-    def __init__(self, node: Node, depth_topic: str = 'depth/image') -> None:
+    def __init__(
+        self,
+        node: Node,
+        depth_topic: str = 'depth/image',
+        camera_info_topic: str = 'depth/camera_info',
+        mask_topic: str = 'mask',
+    ) -> None:
         self.depth = node.create_publisher(Image, depth_topic, 10)
-        self.camera_info = node.create_publisher(CameraInfo, 'depth/camera_info', 10)
-        self.mask = node.create_publisher(Image, 'mask', 10)
+        self.camera_info = node.create_publisher(CameraInfo, camera_info_topic, 10)
+        self.mask = node.create_publisher(Image, mask_topic, 10)
         self._handshake = Handshake(node)
 
     def wait_for_node(self, *, mask: bool = True) -> None:
