@@ -119,7 +119,10 @@ def test_examples_run_as_they_are_written(
     for number, example in enumerate(examples(document)):
         code = compile(example, f'{document}, example {number}', 'exec')
         exec(code, {'__name__': 'example'})  # noqa: S102 - the repository's own documents
-        assert capsys.readouterr().out
+        printed = capsys.readouterr().out
+        assert printed
+        for expected in re.findall(r'^print\(.*\)  # (.+)$', example, re.MULTILINE):
+            assert f'{expected}\n' in printed
 
 
 def test_example_estimates_every_frame_of_the_recording(
