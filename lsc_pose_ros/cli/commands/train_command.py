@@ -108,7 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
     readers = open_recordings(arguments)
     others = _open_calibration_recordings(arguments, training)
     begin = time.perf_counter()
-    frames = read_frames(readers, 'describing')
+    frames = read_frames(readers, 'reading')
     model = train(frames, training, _provenance(arguments, training), _show_step)
     if others:
         frames = read_frames(others, 'calibrating')
@@ -172,7 +172,10 @@ def _check_writable(output: Path) -> None:
         InputError: the folder of `output` does not exist, or `output` is a folder.
     """
     if output.is_dir() or not output.absolute().parent.is_dir():
-        msg = f'cannot write the model {output}: its folder must exist, and it must not be one'
+        msg = (
+            f'cannot write the model {output}: its folder must exist, and it must not be a folder '
+            'itself'
+        )
         raise InputError(msg)
 
 
