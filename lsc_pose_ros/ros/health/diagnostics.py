@@ -17,7 +17,7 @@
 
 import importlib
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -26,6 +26,9 @@ from lsc_pose_ros.messages.stamps import NANOSECONDS
 from lsc_pose_ros.ros.health.diagnostic_status import Interval, Status, status_of
 from lsc_pose_ros.ros.health.measurements import MeasurementCollector
 from lsc_pose_ros.ros.health.stream_warnings import Counters
+
+if TYPE_CHECKING:
+    from rclpy.timer import Timer
 
 TOPIC = '/diagnostics'
 PERIOD = 1.0
@@ -78,7 +81,7 @@ class Diagnostics:
         self._publisher = node.create_publisher(
             self._messages.DiagnosticArray, TOPIC, _QUEUE_DEPTH
         )
-        self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
+        self._timer: Timer | None = node.create_timer(PERIOD, self._publish, clock=self._clock)
 
     def count_estimate(self, stamp: int, bodies: int) -> None:
         """Count an estimate that has just been published.
@@ -94,6 +97,7 @@ class Diagnostics:
         """Stop publishing."""
         if self._publisher is not None:
             self._node.destroy_timer(self._timer)
+            self._timer = None
             self._node.destroy_publisher(self._publisher)
             self._publisher = None
 

@@ -16,6 +16,7 @@
 """Subscribes to depth images, masks and camera infos, and synchronizes them."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -33,6 +34,9 @@ from lsc_pose_ros.ros.io.subscription import (
 from lsc_pose_ros.settings.table import MASK, NodeSettings
 from lsc_pose_ros.synchronization.live_synchronizer import LiveSynchronizer
 from lsc_pose_ros.synchronization.synchronizer import SynchronizerSettings
+
+if TYPE_CHECKING:
+    from rclpy.timer import Timer
 
 # How often the subscriptions are adapted to the publishers, seconds.
 _DISCOVERY_PERIOD = 0.25
@@ -90,7 +94,7 @@ class Inputs:
             TopicSubscription(node, request, parameters.reliability, log) for request in requests
         ]
         self.topics = TopicNames(*(each.topic for each in self._subscriptions))
-        self._timer = node.create_timer(
+        self._timer: Timer | None = node.create_timer(
             _DISCOVERY_PERIOD,
             self._update_subscriptions,
             clock=Clock(clock_type=ClockType.STEADY_TIME),
@@ -128,10 +132,12 @@ class Inputs:
         )
 
     def close(self) -> None:
-        """Destroy the subscriptions."""
-        self._node.destroy_timer(self._timer)
-        for each in self._subscriptions:
-            each.close()
+        """Destroy the subscriptions, and release the messages that wait."""
+        if self._timer is not None:
+            self._node.destroy_timer(self._timer)
+            self._timer = None
+        while self._subscriptions:
+            self._subscriptions.pop().close()
 
     def _update_subscriptions(self) -> None:
         for each in self._subscriptions:

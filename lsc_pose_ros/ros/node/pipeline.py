@@ -16,6 +16,8 @@
 """The path of a frame through the active node: subscriptions, estimation, publishers."""
 
 import traceback
+from functools import partial
+from typing import TYPE_CHECKING
 
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
@@ -33,6 +35,9 @@ from lsc_pose_ros.ros.node.preparation import Resources
 from lsc_pose_ros.ros.node.worker import Worker
 from lsc_pose_ros.settings.table import NodeSettings
 from lsc_pose_ros.synchronization.frame_maker import FrameMaker
+
+if TYPE_CHECKING:
+    from rclpy.timer import Timer
 
 WARNING_PERIOD = 5.0
 """Seconds from one check of the stream to the next."""
@@ -74,16 +79,20 @@ class Pipeline:
         self._worker: Worker[FrameMessages] = Worker(
             self._process, self._report_failure, 'estimation'
         )
-        self.inputs = Inputs(node, parameters, self._log, self._worker.submit)
-        self._maker = FrameMaker(self.inputs.topics, parameters)
+        inputs = self.inputs = Inputs(node, parameters, self._log, self._worker.submit)
+        self._maker = FrameMaker(inputs.topics, parameters)
         self._warned: set[str] = set()
         self._was_ready = True
         self._log_learning()
+        # A bound method would be a reference cycle, which keeps the model after `close`.
+        self._counters = partial(_counters, inputs, self._worker)
         self._last_counters = self._counters()
         self._diagnostics = Diagnostics(node, self._counters)
         # Problems occur in real time, whatever the clock of a recording shows.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
-        self._timer = node.create_timer(WARNING_PERIOD, self._log_warnings, clock=clock)
+        self._timer: Timer | None = node.create_timer(
+            WARNING_PERIOD, self._log_warnings, clock=clock
+        )
         self._worker.start()
 
     def apply(self, parameters: NodeSettings) -> None:
@@ -104,7 +113,9 @@ class Pipeline:
         """
         self.inputs.close()
         self._worker.close(timeout)
-        self._node.destroy_timer(self._timer)
+        if self._timer is not None:
+            self._node.destroy_timer(self._timer)
+            self._timer = None
         self._diagnostics.close()
         self._outputs.close()
 
@@ -167,5 +178,6 @@ class Pipeline:
         for kind, text in stream_warnings(before, self._last_counters, context).items():
             self._reminders.warning(kind, text)
 
-    def _counters(self) -> Counters:
-        return self.inputs.counters(self._worker.replaced)
+
+def _counters(inputs: Inputs, worker: Worker[FrameMessages]) -> Counters:
+    return inputs.counters(worker.replaced)

@@ -40,13 +40,14 @@ class Worker(Generic[Item]):
                 continues with the next item.
             name: the name of the thread.
         """
-        self._work = work
-        self._failed = failed
         self._changed = threading.Condition()
         self._waiting: list[Item] = []  # at most one
         self._closed = False
         self._replaced = 0
-        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        # Only the thread holds the callables, until it ends: they may refer to this worker.
+        self._thread = threading.Thread(
+            target=self._run, args=(work, failed), name=name, daemon=True
+        )
 
     @property
     def replaced(self) -> int:
@@ -80,7 +81,7 @@ class Worker(Generic[Item]):
             self._thread.join(timeout)
         return not self._thread.is_alive()
 
-    def _run(self) -> None:
+    def _run(self, work: Callable[[Item], None], failed: Callable[[Exception], None]) -> None:
         while True:
             with self._changed:
                 self._changed.wait_for(lambda: self._waiting or self._closed)
@@ -88,7 +89,7 @@ class Worker(Generic[Item]):
                     return
                 item = self._waiting.pop()
             try:
-                self._work(item)
+                work(item)
             except Exception as error:  # noqa: BLE001 - a bad frame must not end the node
-                self._failed(error)
+                failed(error)
             del item  # an image must not stay in memory while the thread waits

@@ -62,25 +62,32 @@ prepare, node.prepare_resources = node.prepare_resources, break_down
 sys.exit(main())
 """
 
-# A node that is configured and cleaned up, and whether its model is gone then.
+# A node that works and is cleaned up, and whether its model is gone then. Reference cycles would
+# keep it, because nothing collects them here.
 RELEASED = """
 import gc
 import sys
 import weakref
 
 import rclpy
+from rclpy.executors import SingleThreadedExecutor
 
 from lsc_pose_ros.ros.node.node import PoseNode
 
 rclpy.init(args=sys.argv)
+gc.disable()
 node = PoseNode()
+executor = SingleThreadedExecutor()
+executor.add_node(node)
 node.trigger_configure()
 node.trigger_activate()
+for _ in range(5):  # calls the timers
+    executor.spin_once(timeout_sec=1.0)
 model = weakref.ref(node._resources.model.joints)
 assert model() is not None
 node.trigger_deactivate()
 node.trigger_cleanup()
-gc.collect()
+executor.spin_once(timeout_sec=0.0)  # releases what it has just called
 print('released' if model() is None else 'kept')
 """
 
