@@ -54,5 +54,10 @@ def query_points_refusal(query_points: int, points: int) -> str:
     """
     if query_points == 0 or FEWEST_QUERY_POINTS <= query_points <= (points or query_points):
         return ''
-    most = f'{points}, the points that the model was trained with' if points else 'more'
-    return f'{query_points} cannot be used; it must be 0 or from {FEWEST_QUERY_POINTS} to {most}'
+    rule = f'it must be 0, or {FEWEST_QUERY_POINTS} or more'
+    if points:
+        rule = (
+            f'it must be 0 or from {FEWEST_QUERY_POINTS} to {points}, the points that the model '
+            'was trained with'
+        )
+    return f'{query_points} cannot be used; {rule}'

@@ -86,10 +86,9 @@ class Setting:
         """What a value must be, as the end of a sentence."""
         if self.choices:
             return f'it must be {" or ".join(self.choices)}'
-        point = ', written with a decimal point' if isinstance(self.default, float) else ''
         if self.lowest is None:
             return f'it must be of type {self.type_name}'
-        return f'it must be of type {self.type_name}{point}, from {self.lowest} to {self.highest}'
+        return f'it must be of type {self.type_name}, from {self.lowest} to {self.highest}'
 
     @property
     def read_as_other_type(self) -> bool:

@@ -29,7 +29,7 @@ import pytest
 import rclpy
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from rcl_interfaces.msg import ParameterDescriptor
-from rcl_interfaces.srv import DescribeParameters, GetParameters, SetParameters
+from rcl_interfaces.srv import DescribeParameters, GetParameters, ListParameters, SetParameters
 from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -320,6 +320,11 @@ class NodeServices:
         request = GetParameters.Request(names=[name])
         values = self._call(GetParameters, 'get_parameters', request).values
         return parameter_value_to_python(values[0]) if values else None
+
+    @property
+    def parameter_names(self) -> frozenset[str]:
+        request = ListParameters.Request()
+        return frozenset(self._call(ListParameters, 'list_parameters', request).result.names)
 
     def describe(self, *names: str) -> list[ParameterDescriptor]:
         request = DescribeParameters.Request(names=names)

@@ -20,6 +20,7 @@ import signal
 import sys
 
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.node.command_line import PROGRAM, check_command_line
 from lsc_pose_ros.ros.requirements import load_with_ros
 
 BAD_INPUT = 2
@@ -30,14 +31,19 @@ def main(args: list[str] | None = None) -> int:
 
     Args:
         args: the command line with --ros-args; None for that of the process.
+
+    Raises:
+        SystemExit: a word is unknown (status 2), or help or the version was requested (status 0).
     """
+    words = sys.argv[1:] if args is None else args
+    check_command_line(words)
     for number in (signal.SIGINT, signal.SIGTERM):
         # While libraries are imported there is nothing to close; the node sets other handlers.
         signal.signal(number, lambda *_: os._exit(0))
     try:
-        load_with_ros('lsc_pose_ros.ros.node.run').run_node(args)
+        load_with_ros('lsc_pose_ros.ros.node.run').run_node(words)
     except InputError as error:
-        sys.stderr.write(f'pose_node: error: {" ".join(str(error).split())}\n')
+        sys.stderr.write(f'{PROGRAM}: error: {" ".join(str(error).split())}\n')
         return BAD_INPUT
     return 0
 

@@ -27,11 +27,14 @@ from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.node.background_task import run_in_background
 from lsc_pose_ros.ros.node.parameter_rules import integers_as_doubles, refusal
-from lsc_pose_ros.ros.node.parameters import declare_parameters, read_parameters
+from lsc_pose_ros.ros.node.parameters import (
+    JOINT_NAMES,
+    declare_parameters,
+    read_parameters,
+    unknown_parameters,
+)
 from lsc_pose_ros.ros.node.pipeline import Pipeline
 from lsc_pose_ros.ros.node.preparation import Resources, prepare_resources
-
-JOINT_NAMES = 'joint_names'
 
 SHUTDOWN_TIMEOUT = 0.5
 """Seconds for which a process that is told to stop waits for the current frame."""
@@ -55,11 +58,12 @@ class PoseNode(LifecycleNode):
         """
         super().__init__('pose_node')
         self.autostart = declare_parameters(self).autostart
+        for text in unknown_parameters(self):
+            self.get_logger().warning(text)
         self._resources: Resources | None = None
         self._pipeline: Pipeline | None = None
         self._failure: Exception | None = None
         self._starting = False
-        self.add_pre_set_parameters_callback(integers_as_doubles)
         self.add_on_set_parameters_callback(self._check_changes)
         self.add_post_set_parameters_callback(self._apply_changes)
 
@@ -77,6 +81,26 @@ class PoseNode(LifecycleNode):
             if self._failure is not None:
                 raise self._failure
         self._starting = False
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """Set parameters, for the services; those that stay the same are accepted in any state.
+
+        So `ros2 param load` accepts a file that `ros2 param dump` wrote.
+
+        Args:
+            parameter_list: the new values; an integer is accepted for a double.
+
+        Returns:
+            Whether all could be set, and the reason if not.
+        """
+        changes = [
+            each
+            for each in integers_as_doubles(parameter_list)
+            if not (self.has_parameter(each.name) and _same(self.get_parameter(each.name), each))
+        ]
+        if not changes:
+            return SetParametersResult(successful=True)
+        return super().set_parameters_atomically(changes)
 
     def close(self) -> None:
         """Unsubscribe and stop publishing."""
@@ -175,3 +199,7 @@ class PoseNode(LifecycleNode):
     def _apply_changes(self, _changes: Iterable[Parameter]) -> None:
         if self._pipeline is not None:
             self._pipeline.apply(read_parameters(self))
+
+
+def _same(one: Parameter, other: Parameter) -> bool:
+    return bool(one.to_parameter_msg() == other.to_parameter_msg())

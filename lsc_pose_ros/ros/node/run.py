@@ -33,11 +33,11 @@ from lsc_pose_ros.ros.node.node import PoseNode
 _SWITCH_INTERVAL = 0.0005
 
 
-def run_node(words: list[str] | None = None) -> None:
+def run_node(words: list[str]) -> None:
     """Run the node until SIGINT or SIGTERM.
 
     Args:
-        words: the command line with --ros-args; None for that of the process.
+        words: the command line without the program.
 
     Raises:
         InputError: an argument, a parameter or the model cannot be used.

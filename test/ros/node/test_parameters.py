@@ -81,10 +81,19 @@ def test_a_choice_that_ros_reads_as_a_bool_is_a_text(
     assert declare(rectified=value).rectified == 'true'
 
 
+def test_integer_is_accepted_for_a_double(declare: Callable[..., NodeSettings]) -> None:
+    parameters = declare(smoothing_cutoff=2, sync_slop=0, mask_background=2)
+    assert (parameters.smoothing_cutoff, parameters.sync_slop) == (2.0, 0.0)
+    assert type(parameters.smoothing_cutoff) is float
+    assert type(parameters.mask_background) is int
+
+
 @pytest.mark.parametrize(
     ('name', 'value', 'rule'),
     [
-        ('sync_slop', 0, 'written with a decimal point'),
+        ('sync_slop', 2, 'must be of type double, from 0.0 to 1.0'),
+        ('sync_slop', '0', 'must be of type double, from 0.0 to 1.0'),
+        ('sync_slop', True, 'must be of type double, from 0.0 to 1.0'),
         ('sync_slop', -0.1, 'from 0.0 to 1.0'),
         ('mask_background', 65536, 'from 0 to 65535'),
         ('mask_background', 'none', 'must be of type integer'),
@@ -96,7 +105,6 @@ def test_a_choice_that_ros_reads_as_a_bool_is_a_text(
         ('query_points', -1, 'from 0 to 10000'),
         ('rectified', 5, 'auto or true or false'),
         ('smoothing', 'a little', 'must be of type bool'),
-        ('smoothing_cutoff', 1, 'written with a decimal point'),
         ('depth_transport', 'theora', 'raw or compressedDepth'),
         ('model', 5, 'must be of type string'),
         ('graph', 'yes', 'must be of type bool'),
@@ -221,7 +229,7 @@ def test_what_is_refused_and_what_is_taken_while_the_node_is_unconfigured(
         ('body_ids', 'names', 'mask or tracked'),
         ('mask_background', 65536, 'mask_background out of range'),
         ('model', 5, 'Wrong parameter type'),
-        ('autostart', False, 'read-only'),
+        ('autostart', True, 'read-only'),
     ]
     for name, value, reason in bad:
         before = services.get(name)
@@ -239,6 +247,7 @@ def test_what_does_not_go_together_is_told_when_the_node_is_configured(
     assert not services.set('query_points', 9999)  # no model is loaded yet that could say no
     assert not services.change('configure')
     assert node.prints('parameter query_points: 9999 cannot be used')
+    assert 'it must be 0, or 10 or more' in services.set('query_points', 9)
     assert not services.set('query_points', 0)
     assert services.change('configure')
     assert 'Traceback' not in node.output
@@ -361,6 +370,34 @@ def test_parameters_of_an_unconfigured_node_take_effect_when_it_is_configured(
     alone = Estimator(load_model(small_model_file), graph=False)
     expected = alone.estimate(frames[0].depth, frames[0].labels, frames[0].camera)
     assert_equal(talk.ask(frames[0])[0], expected)
+
+
+def test_all_values_of_a_configured_node_can_be_set_again(
+    start_node: Callable[..., Program], services: NodeServices
+) -> None:
+    start_node(smoothing_cutoff=2, body_ids='tracked', rectified='true')
+    names = services.parameter_names
+    assert names > {*SETTINGS, 'joint_names', 'use_sim_time'}
+    # So does `ros2 param load` with what `ros2 param dump` wrote.
+    for name in names:
+        assert not services.set(name, services.get(name)), name
+    assert not services.set('range_min', services.get('range_min'))
+    assert 'clean up the node first' in services.set('body_ids', 'mask')
+    assert 'read-only' in services.set('autostart', value=False)
+    # A bool is not the integer that equals it.
+    assert 'Wrong parameter type' in services.set('smoothing', 0)
+
+
+def test_parameters_that_the_node_does_not_have_are_named(
+    spawn_node: Callable[..., Program], services: NodeServices
+) -> None:
+    node = spawn_node(autostart='false', smoothing_cutof='2.0', exposure='5', joint_names='[head]')
+    assert services.state == 'unconfigured'
+    found = [line.partition(']: ')[2] for line in node.output.splitlines() if 'WARN' in line]
+    assert found == [
+        'parameter exposure is not known and is ignored',
+        'parameter smoothing_cutof is not known and is ignored; did you mean smoothing_cutoff?',
+    ]
 
 
 @pytest.mark.parametrize(
