@@ -65,6 +65,7 @@ class Diagnostics:
         self.measurements = MeasurementCollector()
         self.notes: dict[str, str] = {}
         self._node = node
+        self._timer: Timer | None = None
         self._counters = counters
         self._before = counters()
         self._messages = _diagnostic_messages()
@@ -81,7 +82,7 @@ class Diagnostics:
         self._publisher = node.create_publisher(
             self._messages.DiagnosticArray, TOPIC, _QUEUE_DEPTH
         )
-        self._timer: Timer | None = node.create_timer(PERIOD, self._publish, clock=self._clock)
+        self._timer = node.create_timer(PERIOD, self._publish, clock=self._clock)
 
     def count_estimate(self, stamp: int, bodies: int) -> None:
         """Count an estimate that has just been published.
@@ -95,9 +96,10 @@ class Diagnostics:
 
     def close(self) -> None:
         """Stop publishing."""
-        if self._publisher is not None:
+        if self._timer is not None:
             self._node.destroy_timer(self._timer)
             self._timer = None
+        if self._publisher is not None:
             self._node.destroy_publisher(self._publisher)
             self._publisher = None
 
