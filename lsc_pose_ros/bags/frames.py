@@ -48,6 +48,9 @@ from lsc_pose_ros.synchronization.synchronizer import (
     SynchronizerSettings,
 )
 
+# So many different reasons are told at most.
+_MOST_REASONS = 5
+
 # How many messages are read at most to find the encodings of the images.
 _MOST_PEEKED = 5000
 
@@ -96,20 +99,55 @@ class FrameReader:
         """
         reading = _Reading(self._messages, self.topics, self._settings)
         maker = FrameMaker(self.topics, self._settings)
-        frames = 0
+        usable, unusable = 0, reading.unusable
         for parts in reading.synchronized():
-            frames += 1
             try:
                 frame = maker.make(parts.depth, parts.mask, parts.camera_info, parts.ground_truth)
             except InputError as error:
-                msg = f'{self.path}: topic {error}'
-                raise InputError(msg) from error
+                unusable.add(str(error))
+                continue
             self.camera = maker.camera
+            usable += 1
             yield frame
         self.warnings.extend([*maker.warnings, *reading.warnings()])
-        if frames == 0:
+        if usable == 0 and not unusable.total:
             msg = f'{self.path}: no frame could be read: {reading.reason_for_no_frame()}'
             raise InputError('; '.join([msg, *self.warnings]))
+        if unusable.total > usable:
+            msg = (
+                f'{self.path}: {unusable.total} of {usable + unusable.total} frames cannot be '
+                f'used: topic {unusable.first}'
+            )
+            raise InputError(msg)
+        self.warnings.extend(unusable.warnings())
+
+
+class _Unusable:
+    """Counts what cannot be used, by the reason."""
+
+    def __init__(self) -> None:
+        self._counts: Counter[str] = Counter()
+
+    @property
+    def total(self) -> int:
+        """How many messages or frames cannot be used."""
+        return self._counts.total()
+
+    @property
+    def first(self) -> str:
+        """The first reason."""
+        return next(iter(self._counts))
+
+    def add(self, reason: str) -> None:
+        """Count something that cannot be used; `reason` begins with its topic."""
+        self._counts[reason] += 1
+
+    def warnings(self) -> list[str]:
+        """Return a sentence for each of the most frequent reasons."""
+        return [
+            f'{count} of the frames {"were" if count > 1 else "was"} left out: {reason}'
+            for reason, count in self._counts.most_common(_MOST_REASONS)
+        ]
 
 
 class _Reading:
@@ -127,8 +165,10 @@ class _Reading:
                 capacity=settings.sync_queue,
                 with_masks=bool(topics.mask),
                 with_ground_truth=bool(topics.ground_truth),
-            )
+            ),
+            self._find_first_info,
         )
+        self.unusable = _Unusable()
 
     def synchronized(self) -> Iterator[_Parts]:
         """Yield the parts of each frame."""
@@ -171,6 +211,16 @@ class _Reading:
             return f'no camera info of {topics.camera_info} came in time'
         return f'no mask of {topics.mask} has the stamp of a depth image'
 
+    def _find_first_info(self) -> StampedCamera | None:
+        """Return the first usable camera info of the recording."""
+        for message in RecordingReader(self._messages.path):
+            if message.topic == self._topics.camera_info:
+                try:
+                    return read_camera_info(message.data, self._source)
+                except InputError:
+                    continue
+        return None
+
     def _add(self, message: SerializedMessage) -> list[_Parts]:
         try:
             frames = self._dispatch(message)
@@ -178,8 +228,8 @@ class _Reading:
             self._damaged[message.topic] += 1
             return []
         except InputError as error:
-            msg = f'{self._messages.path}: topic {message.topic}: {error}'
-            raise InputError(msg) from error
+            self.unusable.add(f'{message.topic}: {error}')
+            return []
         self._counts[message.topic] += 1
         return frames
 

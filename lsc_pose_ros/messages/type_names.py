@@ -39,3 +39,12 @@ MARKER_ARRAY = 'visualization_msgs/msg/MarkerArray'
 MESH_FILE = 'visualization_msgs/msg/MeshFile'
 
 TF_MESSAGE = 'tf2_msgs/msg/TFMessage'
+
+
+def full_type_name(name: str) -> str:
+    """Return the name of a message type with its folder.
+
+    Some programs write `sensor_msgs/Image`, as ROS 1 did, for `sensor_msgs/msg/Image`.
+    """
+    package, slash, rest = name.partition('/')
+    return f'{package}/msg/{rest}' if slash and '/' not in rest else name

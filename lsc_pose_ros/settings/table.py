@@ -155,8 +155,8 @@ class MaskSettings:
 
     mask_background: int = setting(
         0,
-        'Pixel value of the mask that shows no body; 255 for Azure Kinect.',
-        lowest=0,
+        'Pixel value of the mask that shows no body; 255 for Azure Kinect, -1 for some programs.',
+        lowest=-1,
         highest=65535,
     )
 

@@ -16,6 +16,7 @@
 """Joins depth images, masks, camera infos and ground truth by stamp, live and from recordings."""
 
 from collections import OrderedDict, deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, NamedTuple, TypeVar
 
@@ -110,9 +111,21 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
         without_camera_info: frames that were dropped because no camera info had come.
     """
 
-    def __init__(self, settings: SynchronizerSettings) -> None:
-        """Start with no items."""
+    def __init__(
+        self,
+        settings: SynchronizerSettings,
+        find_first_info: Callable[[], CameraInfo | None] | None = None,
+    ) -> None:
+        """Start with no items.
+
+        Args:
+            settings: the settings.
+            find_first_info: returns the first camera info that will come, None if there is none;
+                called at most once, for frames before it. None if the future is unknown.
+        """
         self._settings = settings
+        self._find_first_info = find_first_info
+        self._future_info: CameraInfo | None = None
         self._pairing: Pairing[Depth, Mask] = self._new_pairing()
         self._waiting: deque[_WaitingFrame[Depth, Mask, CameraInfo, GroundTruth]] = deque()
         self._camera_infos: CameraInfos[CameraInfo] = CameraInfos(
@@ -187,8 +200,8 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
 
     def finish(self) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
         """Return the frames that still wait, because nothing more will come."""
-        self._pairing.finish()
-        return self._release(0)
+        frames = self._add_pairs(self._pairing.finish())
+        return frames + self._release(0)
 
     def restart(self) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
         """Return the frames that still wait, and forget all stamps, for streams that start over.
@@ -202,6 +215,13 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
         self._ground_truths.clear()
         self._last_stamp = _BEFORE_ALL
         return frames
+
+    def _first_info(self) -> CameraInfo | None:
+        """Return the first camera info of the future, None if there is none or it is unknown."""
+        if self._find_first_info is not None:
+            self._future_info = self._find_first_info()
+            self._find_first_info = None
+        return self._future_info
 
     def _new_pairing(self) -> Pairing[Depth, Mask]:
         settings = self._settings
@@ -255,7 +275,7 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
         released = []
         while self._waiting and (self._waiting[0].complete or len(self._waiting) > most_waiting):
             frame = self._waiting.popleft()
-            info = self._camera_infos.newest if frame.camera_info is None else frame.camera_info
+            info = frame.camera_info or self._camera_infos.newest or self._first_info()
             if info is None:
                 self.without_camera_info += 1
             else:

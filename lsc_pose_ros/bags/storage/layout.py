@@ -17,8 +17,10 @@
 
 import io
 import re
+import shutil
+import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, NamedTuple, cast
 
@@ -79,10 +81,10 @@ def find_parts(path: Path) -> Layout:
         msg = f'{path}: no such file or folder'
         raise InputError(msg)
     if not path.is_dir():
-        return Layout(path, [identify(path)], None, [])
+        return Layout(path, [identify(path)], _topics_beside(path), [])
     warnings: list[str] = []
     metadata = _read_metadata(path / METADATA_NAME, warnings)
-    parts = _identify_all(_part_paths(path, metadata), warnings)
+    parts = _identify_all(_part_paths(path, metadata, warnings), warnings)
     if not parts:
         msg = f'{path}: no recording in this folder (.mcap or .db3, with or without .zstd)'
         raise InputError('; '.join([msg, *warnings]))
@@ -130,6 +132,25 @@ def open_part(path: Path, *, compressed: bool) -> Iterator[IO[bytes]]:
             yield io.BufferedReader(cast('io.RawIOBase', decompressed), 1 << 20)
 
 
+@contextmanager
+def plain_copy(part: Part, name: str) -> Iterator[Path]:
+    """Decompress a compressed file into a temporary folder, up to a damage.
+
+    Args:
+        part: the file.
+        name: the name of the copy.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / name
+        with (
+            suppress(*DAMAGE),
+            open_part(part.path, compressed=part.compressed) as source,
+            path.open('wb') as target,
+        ):
+            shutil.copyfileobj(source, target)
+        yield path
+
+
 def _read_metadata(path: Path, warnings: list[str]) -> dict[str, object]:
     """Return the contents of metadata.yaml, empty if it is missing or damaged."""
     if not path.exists():
@@ -144,16 +165,31 @@ def _read_metadata(path: Path, warnings: list[str]) -> dict[str, object]:
     return {**information, 'relative_file_paths': names}
 
 
-def _part_paths(folder: Path, metadata: dict[str, object]) -> list[Path]:
-    """Return the files in the order of the metadata, or else by their numbers."""
+def _topics_beside(path: Path) -> dict[str, TopicSummary] | None:
+    """Return the topics of the metadata.yaml beside a file, None if it does not list the file."""
+    metadata = _read_metadata(path.with_name(METADATA_NAME), [])
     names = cast('list[str]', metadata.get('relative_file_paths', []))
-    if names:
-        # Old recordings contain the name of the folder. The suffix .zstd is missing if it
-        # was killed during compression.
-        listed = [folder / Path(name).name for name in names]
-        return [_with_compression(path) for path in listed]
+    if path.name.removesuffix('.zstd') not in {Path(n).name.removesuffix('.zstd') for n in names}:
+        return None
+    return _topics(metadata, [])
+
+
+def _part_paths(folder: Path, metadata: dict[str, object], warnings: list[str]) -> list[Path]:
+    """Return the files in the order of the metadata, then the others by their numbers."""
+    names = cast('list[str]', metadata.get('relative_file_paths', []))
+    # Old recordings contain the name of the folder. The suffix .zstd is missing if it was killed
+    # during compression.
+    listed = [_with_compression(folder / Path(name).name) for name in names]
     found = [path for path in folder.iterdir() if _PART_NAME.search(path.name)]
-    return sorted(found, key=lambda path: [*map(int, re.findall(r'\d+', path.name)), 0])
+    found.sort(key=lambda path: [*map(int, re.findall(r'\d+', path.name)), 0])
+    others = [path for path in found if path not in listed]
+    if names and others:
+        warnings.append(
+            f'{METADATA_NAME} does not list {", ".join(each.name for each in others)}; read, too'
+        )
+    if others and not any(path.exists() for path in listed):
+        return others  # the files were renamed
+    return [*listed, *others]
 
 
 def _with_compression(path: Path) -> Path:

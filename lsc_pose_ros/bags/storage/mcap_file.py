@@ -13,11 +13,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Reads one MCAP file as a stream; a damaged file gives the messages before the damage."""
+"""Reads one MCAP file in the order of time; of a damaged file, the messages before the damage."""
 
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
+from functools import cached_property
+from operator import attrgetter
 from typing import IO
 
 from mcap.exceptions import McapError
@@ -27,11 +30,18 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.summary import Summary
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
-from lsc_pose_ros.bags.storage.layout import Part, open_part
+from lsc_pose_ros.bags.storage.layout import Part, open_part, plain_copy
+from lsc_pose_ros.bags.storage.mcap_layout import McapLayout, scan_layout
 from lsc_pose_ros.bags.storage.serialized_messages import (
     ReadStatistics,
     SerializedMessage,
     TopicSummary,
+)
+from lsc_pose_ros.bags.storage.time_order import (
+    LARGEST_OVERLAP,
+    TimedPart,
+    in_time_order,
+    largest_overlap,
 )
 
 # The longest record of a compressed file, whose decompressed size is unknown.
@@ -45,61 +55,143 @@ class McapPart:
     """One MCAP file."""
 
     def __init__(self, part: Part) -> None:
-        """Store the file; `topics` and `messages` open it."""
+        """Store the file; the methods open it."""
         self._part = part
 
+    @cached_property
+    def span(self) -> tuple[int, int] | None:
+        """The earliest and the latest log time, nanoseconds; None without messages."""
+        parts = self._layout.parts
+        if not parts:
+            return None
+        return min(each.start for each in parts), max(each.end for each in parts)
+
     def topics(self) -> dict[str, TopicSummary]:
-        """Return the topics, from the summary if there is one, else by reading the file."""
-        summary = self._summary()
-        if summary is None or not summary.channels:
-            return self._scan()
-        counts = summary.statistics.channel_message_counts if summary.statistics else None
+        """Return the topics, from the summary if it is complete, else by reading the file."""
+        summary = self._summary
+        if summary is None:
+            return self._scanned_topics()
+        counts = _trusted_counts(summary, self._layout)
         topics: dict[str, TopicSummary] = {}
         for number, channel in summary.channels.items():
-            count = None if counts is None else counts.get(number, 0)
-            _add_topic(topics, channel, _type_name(channel, summary.schemas), count)
+            type_name = _type_name(channel, summary.schemas)
+            _add_topic(topics, channel, type_name, counts.get(number))
         return topics
 
     def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
-        """Yield the messages in the order of the file, up to the first damage.
+        """Yield the messages in the order of log time, as far as the file can be read.
 
         Args:
             warnings: a sentence for each problem is appended.
         """
+        layout = self._layout
+        ordered = not layout.in_order
+        if ordered and largest_overlap(layout.parts) > LARGEST_OVERLAP:
+            ordered = False
+            warnings.append(
+                f'{self._part.path.name}: the messages are not in the order of time, and too many '
+                'overlap to be sorted here; sort the file with `mcap sort`'
+            )
+        with self._opened(seekable=ordered) as stream:
+            reading = self._pass(stream, warnings)
+            if ordered:
+                schemas, channels = self._declared
+                reading.schemas.update(schemas)
+                reading.channels.update(channels)
+                yield from reading.messages_in_order(layout)
+            else:
+                yield from reading.messages()
+
+    @cached_property
+    def _layout(self) -> McapLayout:
         with open_part(self._part.path, compressed=self._part.compressed) as stream:
-            yield from self._pass(stream, warnings).messages()
+            return scan_layout(stream)
 
-    def _pass(self, stream: IO[bytes], warnings: list[str]) -> '_Pass':
-        limit = _LONGEST_RECORD if self._part.compressed else os.fstat(stream.fileno()).st_size
-        reading = _Pass(self._part.path.name, stream, limit, warnings)
-        summary = self._summary()
-        if summary is not None:
-            reading.schemas.update(summary.schemas)
-            reading.channels.update(summary.channels)
-        return reading
-
+    @cached_property
     def _summary(self) -> Summary | None:
+        """The summary at the end of the file, None if it is missing or incomplete."""
         if self._part.compressed:
             return None
         try:
             with self._part.path.open('rb') as stream:
-                return make_reader(stream).get_summary()
+                summary = make_reader(stream).get_summary()
         except DAMAGE:
             return None
+        return summary if summary and _is_complete(summary, self._layout) else None
 
-    def _scan(self) -> dict[str, TopicSummary]:
-        topics: dict[str, TopicSummary] = {}
+    @cached_property
+    def _declared(self) -> tuple[dict[int, Schema], dict[int, Channel]]:
+        """All schemas and channels by their numbers, wherever the file declares them."""
+        if self._summary is not None:
+            return self._summary.schemas, self._summary.channels
+        reading, _ = self._scan()
+        return reading.schemas, reading.channels
+
+    @contextmanager
+    def _opened(self, *, seekable: bool) -> Iterator[IO[bytes]]:
+        path, compressed = self._part.path, self._part.compressed
+        if not (compressed and seekable):
+            with open_part(path, compressed=compressed) as stream:
+                yield stream
+            return
+        with plain_copy(self._part, 'recording.mcap') as copy, copy.open('rb') as stream:
+            yield stream
+
+    def _pass(self, stream: IO[bytes], warnings: list[str]) -> '_Pass':
+        limit = _LONGEST_RECORD if self._part.compressed else os.fstat(stream.fileno()).st_size
+        reading = _Pass(self._part.path.name, stream, limit, warnings)
+        if self._summary is not None:
+            reading.schemas.update(self._summary.schemas)
+            reading.channels.update(self._summary.channels)
+        return reading
+
+    def _scan(self) -> tuple['_Pass', ReadStatistics]:
+        """Read the whole file; return the pass and the statistics of its messages."""
         statistics = ReadStatistics()
         with open_part(self._part.path, compressed=self._part.compressed) as stream:
             reading = self._pass(stream, [])
             for message in reading.messages():
                 statistics.add(message)
+        return reading, statistics
+
+    def _scanned_topics(self) -> dict[str, TopicSummary]:
+        reading, statistics = self._scan()
+        topics: dict[str, TopicSummary] = {}
         for channel in reading.channels.values():
             _add_topic(topics, channel, _type_name(channel, reading.schemas), None)
         return {
             topic: replace(summary, count=statistics.counts.get(topic, 0))
             for topic, summary in topics.items()
         }
+
+
+def _is_complete(summary: Summary, layout: McapLayout) -> bool:
+    """Return whether a summary declares the channels of all messages, and their schemas."""
+    channels = summary.channels
+    if any(each.schema_id and each.schema_id not in summary.schemas for each in channels.values()):
+        return False
+    if layout.indexed_channels:
+        return layout.indexed_channels <= channels.keys()
+    statistics = summary.statistics
+    if statistics is None:
+        return not layout.parts
+    counted = sum(statistics.channel_message_counts.get(number, 0) for number in channels)
+    return counted == statistics.message_count and (counted > 0 or not layout.parts)
+
+
+def _trusted_counts(summary: Summary, layout: McapLayout) -> dict[int, int]:
+    """Return the number of messages of each channel for which it is known."""
+    statistics = summary.statistics
+    if statistics is None:
+        return {}
+    counts = statistics.channel_message_counts
+    if sum(counts.values()) != statistics.message_count or (layout.parts and not counts):
+        return {}
+    return {
+        number: counts.get(number, 0)
+        for number in summary.channels
+        if counts.get(number, 0) or number not in layout.indexed_channels
+    }
 
 
 class _Pass:
@@ -119,12 +211,46 @@ class _Pass:
         self.channels: dict[int, Channel] = {}
 
     def messages(self) -> Iterator[SerializedMessage]:
+        """Yield the messages in the order of the file; those of a chunk in the order of time."""
         for record in self._records():
             message = self._message(record)
             if message is not None:
                 self._statistics.add(message)
                 yield message
         self._warn()
+
+    def messages_in_order(self, layout: McapLayout) -> Iterator[SerializedMessage]:
+        """Yield the messages in the order of log time; all channels must be known."""
+        for message in in_time_order(layout.parts, self._messages_of, attrgetter('log_time')):
+            self._statistics.add(message)
+            yield message
+        if layout.cut:
+            self._warn_of_end(EOFError())
+        self._warn()
+
+    def _messages_of(self, part: TimedPart) -> Iterator[SerializedMessage]:
+        """Yield the messages of a chunk or of a run of messages, in the order of time."""
+        position, last = part.position, part.start
+        while last <= part.end:
+            self._stream.seek(position)
+            reader = StreamReader(
+                self._stream, skip_magic=True, emit_chunks=True, record_size_limit=self._limit
+            )
+            try:
+                record = next(reader.records, None)
+            except DAMAGE as error:
+                self._damaged_chunks.append(reason(error))
+                return
+            position = self._stream.tell()
+            if isinstance(record, Chunk):
+                yield from filter(None, map(self._message, self._break_up(record)))
+                return
+            if not isinstance(record, Message) or not last <= record.log_time <= part.end:
+                return
+            last = record.log_time
+            message = self._message(record)
+            if message is not None:
+                yield message
 
     def _records(self) -> Iterator[McapRecord]:
         """Yield the records, including those in chunks, up to the end or the damage."""
@@ -148,11 +274,14 @@ class _Pass:
         try:
             if chunk.compression not in _COMPRESSIONS:
                 raise McapError(_UNKNOWN.format(chunk.compression))
-            return breakup_chunk(chunk, validate_crc=True)
+            records = breakup_chunk(chunk, validate_crc=True)
         except DAMAGE as error:
             # Only this chunk is lost, because the position of the next one is known.
             self._damaged_chunks.append(reason(error))
             return []
+        # Declarations first, then the messages in the order of time.
+        records.sort(key=lambda each: each.log_time if isinstance(each, Message) else -1)
+        return records
 
     def _message(self, record: McapRecord) -> SerializedMessage | None:
         """Return the message in `record`; store a schema or channel."""

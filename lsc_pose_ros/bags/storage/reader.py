@@ -13,10 +13,12 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Reads the messages of a recording of any storage format in bounded memory."""
+"""Reads the messages of a recording of any storage format in the order of time."""
 
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import pairwise
+from operator import attrgetter
 from pathlib import Path
 
 import zstandard
@@ -30,6 +32,8 @@ from lsc_pose_ros.bags.storage.serialized_messages import (
     TopicSummary,
 )
 from lsc_pose_ros.bags.storage.sqlite_file import SqlitePart
+from lsc_pose_ros.bags.storage.time_order import TimedPart, in_time_order
+from lsc_pose_ros.messages.type_names import full_type_name
 
 
 class RecordingReader:
@@ -52,6 +56,7 @@ class RecordingReader:
             InputError: there is no recording.
         """
         self._layout = find_parts(Path(path))
+        self._parts = [_open(part) for part in self._layout.parts]
         self._topics: dict[str, TopicSummary] | None = None
         self.path = self._layout.path
         self.warnings = list(self._layout.warnings)
@@ -59,13 +64,13 @@ class RecordingReader:
 
     @property
     def topics(self) -> dict[str, TopicSummary]:
-        """The topics by name, from metadata.yaml or else from the files.
+        """The topics by name, from the files; metadata.yaml adds what they do not tell.
 
         Raises:
             InputError: a file's list of topics cannot be read.
         """
         if self._topics is None:
-            self._topics = self._layout.topics or self._topics_of_files()
+            self._topics = _with_metadata(self._topics_of_files(), self._layout.topics or {})
         return self._topics
 
     @property
@@ -81,32 +86,80 @@ class RecordingReader:
         return [*files, metadata] if metadata.exists() else files
 
     def __iter__(self) -> Iterator[SerializedMessage]:
-        """Yield the messages in the order of the files."""
+        """Yield the messages in the order of log time."""
         self.warnings[:] = self._layout.warnings
         self.statistics = ReadStatistics()
         damaged = 0
-        for part in self._layout.parts:
-            for message in _open(part).messages(self.warnings):
-                whole = _decompressed(message)
-                if whole is None:
-                    damaged += 1
-                else:
-                    self.statistics.add(whole)
-                    yield whole
+        for message in self._in_time_order():
+            whole = _decompressed(message)
+            if whole is None:
+                damaged += 1
+            else:
+                whole = whole._replace(type_name=self._type_of(whole))
+                self.statistics.add(whole)
+                yield whole
         if damaged:
             self.warnings.append(f'{damaged} messages were left out: they cannot be decompressed')
 
+    def _in_time_order(self) -> Iterator[SerializedMessage]:
+        """Yield the messages of all files; files that overlap in time are merged."""
+        spans = [part.span for part in self._parts]
+        known = [
+            TimedPart(*span, 0, position)
+            for position, span in enumerate(spans)
+            if span is not None
+        ]
+        if all(before.end <= after.start for before, after in pairwise(known)):
+            for part in self._parts:
+                yield from part.messages(self.warnings)
+            return
+        # A file without a known span has no readable messages, but its damage is a warning.
+        for part, span in zip(self._parts, spans, strict=True):
+            if span is None:
+                yield from part.messages(self.warnings)
+        yield from in_time_order(
+            known,
+            lambda part: self._parts[part.position].messages(self.warnings),
+            attrgetter('log_time'),
+        )
+
+    def _type_of(self, message: SerializedMessage) -> str:
+        """Return the full name of a message's type, from metadata.yaml if the file has none."""
+        if not message.type_name and self._layout.topics and message.topic in self._layout.topics:
+            return full_type_name(self._layout.topics[message.topic].type_name)
+        return full_type_name(message.type_name)
+
     def _topics_of_files(self) -> dict[str, TopicSummary]:
         topics: dict[str, TopicSummary] = {}
-        for part in self._layout.parts:
-            for name, topic in _open(part).topics().items():
+        for part in self._parts:
+            for name, topic in part.topics().items():
                 known = topics.get(name)
                 if known is not None:
                     counts = (known.count, topic.count)
                     total = None if None in counts else sum(filter(None, counts))
-                    topic = replace(topic, count=total)  # noqa: PLW2901
+                    type_name = topic.type_name or known.type_name
+                    topic = replace(topic, count=total, type_name=type_name)  # noqa: PLW2901
                 topics[name] = topic
         return topics
+
+
+def _with_metadata(
+    topics: dict[str, TopicSummary], metadata: dict[str, TopicSummary]
+) -> dict[str, TopicSummary]:
+    """Return the topics of the files with what only metadata.yaml tells: types and other topics.
+
+    Counts of metadata.yaml are not used: a recorder that was killed leaves them zero.
+    """
+    complete = {name: replace(each, count=0) for name, each in metadata.items()}
+    for name, topic in topics.items():
+        listed = metadata.get(name)
+        type_name = topic.type_name or (listed.type_name if listed else '')
+        qos = topic.qos or (listed.qos if listed else '')
+        complete[name] = replace(topic, type_name=type_name, qos=qos)
+    return {
+        name: replace(each, type_name=full_type_name(each.type_name))
+        for name, each in complete.items()
+    }
 
 
 def read_messages(path: Path | str) -> RecordingReader:

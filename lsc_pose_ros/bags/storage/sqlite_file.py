@@ -15,16 +15,15 @@
 
 """Reads one SQLite file of rosbag2 (.db3) of any schema version."""
 
-import shutil
 import sqlite3
-import tempfile
 from collections.abc import Iterator
-from contextlib import closing, contextmanager, suppress
+from contextlib import closing, contextmanager
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
-from lsc_pose_ros.bags.storage.layout import Part, open_part
+from lsc_pose_ros.bags.storage.layout import Part, plain_copy
 from lsc_pose_ros.bags.storage.serialized_messages import (
     ReadStatistics,
     SerializedMessage,
@@ -34,6 +33,10 @@ from lsc_pose_ros.errors import InputError
 
 _SERIALIZATION = 'cdr'
 
+_ROWS = 'SELECT topic_id, timestamp, data FROM messages'
+_BY_NUMBER = f'{_ROWS} WHERE id = ?'
+_NUMBERS_BY_TIME = 'SELECT id FROM messages ORDER BY timestamp, id'
+
 
 class SqlitePart:
     """One SQLite file."""
@@ -41,6 +44,17 @@ class SqlitePart:
     def __init__(self, part: Part) -> None:
         """Store the file; `topics` and `messages` open it."""
         self._part = part
+
+    @cached_property
+    def span(self) -> tuple[int, int] | None:
+        """The earliest and the latest log time, nanoseconds; None without messages."""
+        try:
+            with self._database() as database:
+                times = database.execute('SELECT MIN(timestamp), MAX(timestamp) FROM messages')
+                start, end = times.fetchone()
+        except DAMAGE:
+            return None
+        return (start, end) if isinstance(start, int) and isinstance(end, int) else None
 
     def topics(self) -> dict[str, TopicSummary]:
         """Return the topics.
@@ -61,7 +75,7 @@ class SqlitePart:
         }
 
     def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
-        """Yield the messages in the order of the file, up to the first damage.
+        """Yield the messages in the order of log time, up to the first damage.
 
         Args:
             warnings: a sentence for each problem is appended.
@@ -85,11 +99,7 @@ class SqlitePart:
         try:
             with self._database() as database:
                 topics = _topic_rows(database)
-                # In the order of recording: the order of time needs an index, which a killed
-                # recorder has not written, or memory for all messages.
-                for row in database.execute(
-                    'SELECT topic_id, timestamp, data FROM messages ORDER BY id'
-                ):
+                for row in _rows_in_order(database):
                     yield _message(row, topics)
         except DAMAGE as error:
             warnings.append(
@@ -114,16 +124,36 @@ class SqlitePart:
         if not self._part.compressed:
             yield self._part.path
             return
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / 'recording.db3'
-            # The data before a damage can be used.
-            with (
-                suppress(*DAMAGE),
-                open_part(self._part.path, compressed=True) as source,
-                path.open('wb') as target,
-            ):
-                shutil.copyfileobj(source, target)
+        with plain_copy(self._part, 'recording.db3') as path:
             yield path
+
+
+def _rows_in_order(database: sqlite3.Connection) -> Iterator[tuple[Any, Any, Any]]:
+    """Yield topic, time and data of all messages in the order of time.
+
+    A recorder numbers the messages nearly in that order, and reading by number needs no memory and
+    no index, which a killed recorder has not written.
+    """
+    if not _numbers_follow_time(database):
+        numbers = [row[0] for row in database.execute(_NUMBERS_BY_TIME)]
+        for number in numbers:
+            yield database.execute(_BY_NUMBER, (number,)).fetchone()
+        return
+    yield from database.execute(f'{_ROWS} ORDER BY id')
+
+
+def _numbers_follow_time(database: sqlite3.Connection) -> bool:
+    before = None
+    try:
+        for (time,) in database.execute('SELECT timestamp FROM messages ORDER BY id'):
+            if not isinstance(time, int):
+                continue
+            if before is not None and time < before:
+                return False
+            before = time
+    except DAMAGE:
+        return True  # what can be read is read by number
+    return True
 
 
 def _topic_rows(database: sqlite3.Connection) -> dict[int, tuple[str, str, str]]:

@@ -78,6 +78,7 @@ class RecordingWriter:
         self._channels: dict[str, _Channel] = {}
         self._schemas: dict[str, int] = {}
         self._start: int | None = None
+        self._shift = 0
         self._end: int | None = None
         self._stream: BinaryIO | None = None
         self._mcap: Writer | None = None
@@ -133,7 +134,8 @@ class RecordingWriter:
         Args:
             topic: the name of the topic.
             type_name: the message type, for example 'sensor_msgs/msg/Image'.
-            stamp_ns: the log time, nanoseconds.
+            stamp_ns: the log time, nanoseconds. MCAP has no times before 1970: if the first one
+                is negative, all are shifted so that it becomes 0.
             data: the message as CDR.
 
         Raises:
@@ -142,6 +144,9 @@ class RecordingWriter:
         if self._mcap is None:
             msg = f'{self._path}: the recording is not open'
             raise RuntimeError(msg)
+        if self._start is None:
+            self._shift = max(0, -stamp_ns)
+        stamp_ns = max(0, stamp_ns + self._shift)
         try:
             channel = self._channels.get(topic) or self._add_channel(self._mcap, topic, type_name)
             self._mcap.add_message(channel.number, stamp_ns, data, stamp_ns)

@@ -34,6 +34,9 @@ _RVL_SIZE = struct.Struct('<II')
 _INVERSE_DEPTH = 1
 _MOST_PIXELS = 1 << 26
 
+# mono16 is what drivers write that convert to and from OpenCV; the pixels are those of 16UC1.
+_ENCODINGS = ('16UC1', 'mono16', '32FC1')
+
 # The transport's own defaults for 32FC1.
 DEPTH_MAX = 10.0
 DEPTH_QUANTIZATION = 100.0
@@ -58,8 +61,11 @@ def parse_format(text: str) -> CompressedFormat:
     encoding, _, transport = (part.strip() for part in text.partition(';'))
     words = transport.split() or ['compressedDepth']
     codec = words[1] if len(words) > 1 else 'png'
-    if encoding not in {'16UC1', '32FC1'} or words[0] != 'compressedDepth':
-        msg = f'unknown depth format {text!r}; it must be 16UC1 or 32FC1 by compressedDepth'
+    if encoding not in _ENCODINGS or words[0] != 'compressedDepth':
+        msg = (
+            f'unknown depth format {text!r}; it must be {" or ".join(_ENCODINGS)} by '
+            'compressedDepth'
+        )
         raise InputError(msg)
     if codec not in {'png', 'rvl'}:
         msg = f'unknown codec {codec!r} in the depth format {text!r}; it must be png or rvl'
@@ -77,7 +83,7 @@ def decode_compressed_depth(
         format_text: the message's field `format`.
 
     Returns:
-        uint16 millimetres for 16UC1, float32 metres (NaN for no depth) for 32FC1.
+        uint16 millimetres for 16UC1 and mono16, float32 metres (NaN for no depth) for 32FC1.
 
     Raises:
         InputError: the format is unknown or the data are damaged.
@@ -92,7 +98,7 @@ def decode_compressed_depth(
     if pixels.dtype != np.uint16:
         msg = 'a compressedDepth image of 8 bits holds no depth; 16 are needed'
         raise InputError(msg)
-    if encoding == '16UC1':
+    if encoding != '32FC1':
         return pixels.astype(np.uint16)
     return _from_inverse(pixels.astype(np.uint16), scale, offset)
 
