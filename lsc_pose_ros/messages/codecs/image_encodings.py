@@ -38,8 +38,10 @@ DEPTH_TYPES: dict[str, np.dtype[np.generic]] = {
 MASK_TYPES: dict[str, np.dtype[np.generic]] = {
     'mono8': np.dtype('u1'),
     '8UC1': np.dtype('u1'),
+    '8SC1': np.dtype('i1'),
     '16UC1': np.dtype('u2'),
     'mono16': np.dtype('u2'),
+    '16SC1': np.dtype('i2'),
     '32SC1': np.dtype('i4'),
 }
 
