@@ -356,7 +356,7 @@ def test_missing_model_leaves_no_output(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_bad_message_leaves_no_output(
+def test_bad_messages_leave_no_output(
     recording: Path,
     people: list[Frame],
     small_model_file: Path,
@@ -365,8 +365,8 @@ def test_bad_message_leaves_no_output(
 ) -> None:
     path = tmp_path / 'bad.mcap'
     with RecordingWriter(path) as writer:
-        write(writer, people[0])
-        write(writer, people[1]._replace(camera=people[1].camera._replace(fx=0.0)))
+        for each in people[:2]:
+            write(writer, each._replace(camera=each.camera._replace(fx=0.0)))
     output = tmp_path / 'out.mcap'
     text = complain(capsys, path, '-o', output, '--model', small_model_file)
     assert '/depth/camera_info' in text

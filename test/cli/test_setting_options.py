@@ -71,7 +71,7 @@ def test_values_are_read(parser: argparse.ArgumentParser) -> None:
         ('--smoothing-cutoff 0', "'0' is not a number from 0.01 to 100.0"),
         ('--query-points -1', "'-1' is not a whole number from 0 to 10000"),
         ('--query-points 10.5', "'10.5' is not a whole number from 0 to 10000"),
-        ('--mask-background 65536', "'65536' is not a whole number from 0 to 65535"),
+        ('--mask-background 65536', "'65536' is not a whole number from -1 to 65535"),
         ('--body-ids names', "invalid choice: 'names'"),
     ],
 )

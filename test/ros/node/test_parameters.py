@@ -95,7 +95,7 @@ def test_integer_is_accepted_for_a_double(declare: Callable[..., NodeSettings]) 
         ('sync_slop', '0', 'must be of type double, from 0.0 to 1.0'),
         ('sync_slop', True, 'must be of type double, from 0.0 to 1.0'),
         ('sync_slop', -0.1, 'from 0.0 to 1.0'),
-        ('mask_background', 65536, 'from 0 to 65535'),
+        ('mask_background', 65536, 'from -1 to 65535'),
         ('mask_background', 'none', 'must be of type integer'),
         ('sync_queue', 0, 'from 1 to 1000'),
         ('minimum_confidence', 1.5, 'from 0.0 to 1.0'),
