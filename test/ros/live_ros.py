@@ -292,6 +292,12 @@ class NodeServices:
         request.transition.label = transition
         return self._call(ChangeState, 'change_state', request).success
 
+    def change_by_number(self, number: int) -> bool:
+        """Request a transition, as the lifecycle manager of nav2 does."""
+        request = ChangeState.Request()
+        request.transition.id = number
+        return self._call(ChangeState, 'change_state', request).success
+
     def ask_to_change(self, transition: str) -> None:
         """Request a transition without waiting for it."""
         request = ChangeState.Request()

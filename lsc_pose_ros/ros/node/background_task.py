@@ -13,30 +13,34 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Runs long work in a thread, so that the process can be stopped while it runs."""
+"""Runs long work in a thread, while the node answers its services and can be stopped."""
 
 import threading
-from collections.abc import Callable
-from concurrent.futures import Future, wait
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager
 from typing import TypeVar
 
-from rclpy.context import Context
-from rclpy.executors import ExternalShutdownException
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
 
 Result = TypeVar('Result')
 
 _POLL_PERIOD = 0.05
 
 
-def run_in_background(work: Callable[[], Result], context: Context) -> Result:
+def run_in_background(work: Callable[[], Result], node: Node) -> Result:
     """Run `work` in a new thread, and return its result or raise its exception.
+
+    Meanwhile `node` is served by an executor of its own, because this may be called by a callback
+    of its executor. So the callback groups of the node must be reentrant.
 
     The compilation of kernels cannot be interrupted. If the process is told to stop, the thread
     is left alone.
 
     Args:
-        work: the work.
-        context: is shut down if the process is told to stop.
+        work: the work; it must not change the node.
+        node: the node that is served while this function waits.
 
     Raises:
         ExternalShutdownException: the process is told to stop; the thread still runs.
@@ -49,8 +53,23 @@ def run_in_background(work: Callable[[], Result], context: Context) -> Result:
         except BaseException as error:  # noqa: BLE001 - the caller raises it
             outcome.set_exception(error)
 
-    threading.Thread(target=run, name='background', daemon=True).start()
-    while not wait([outcome], _POLL_PERIOD).done:
-        if not context.ok():
-            raise ExternalShutdownException
+    with _served_meanwhile(node) as executor:
+        threading.Thread(target=run, name='background', daemon=True).start()
+        while not outcome.done():
+            executor.spin_once(timeout_sec=_POLL_PERIOD)
     return outcome.result()
+
+
+@contextmanager
+def _served_meanwhile(node: Node) -> Iterator[SingleThreadedExecutor]:
+    """Give `node` to a new executor, and give it back at the end."""
+    before = node.executor
+    executor = SingleThreadedExecutor(context=node.context)
+    executor.add_node(node)  # removes it from the one before
+    try:
+        yield executor
+    finally:
+        executor.remove_node(node)
+        if before is not None:
+            before.add_node(node)
+        executor.shutdown()

@@ -18,7 +18,9 @@
 import traceback
 from collections.abc import Callable, Iterable
 
+from lifecycle_msgs.srv import ChangeState
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.callback_groups import CallbackGroup, ReentrantCallbackGroup
 from rclpy.executors import ExternalShutdownException
 from rclpy.lifecycle import LifecycleNode, LifecycleState, TransitionCallbackReturn
 from rclpy.parameter import Parameter
@@ -56,7 +58,11 @@ class PoseNode(LifecycleNode):
         Raises:
             InputError: a parameter cannot be used.
         """
+        # While a transition waits for its work, other services are answered.
+        self._callback_group = ReentrantCallbackGroup()
         super().__init__('pose_node')
+        self._change_state = self._service_change_state.callback
+        self._service_change_state.callback = self._change_state_if_possible
         self.autostart = declare_parameters(self).autostart
         for text in unknown_parameters(self):
             self.get_logger().warning(text)
@@ -64,8 +70,14 @@ class PoseNode(LifecycleNode):
         self._pipeline: Pipeline | None = None
         self._failure: Exception | None = None
         self._starting = False
+        self._configuring = False
         self.add_on_set_parameters_callback(self._check_changes)
         self.add_post_set_parameters_callback(self._apply_changes)
+
+    @property
+    def default_callback_group(self) -> CallbackGroup:
+        """The group of all callbacks of this node."""
+        return self._callback_group
 
     def start(self) -> None:
         """Configure and activate.
@@ -132,9 +144,11 @@ class PoseNode(LifecycleNode):
 
     def _configure(self) -> None:
         parameters = read_parameters(self)
-        self._resources = run_in_background(
-            lambda: prepare_resources(self, parameters), self.context
-        )
+        self._configuring = True
+        try:
+            self._resources = run_in_background(lambda: prepare_resources(self, parameters), self)
+        finally:
+            self._configuring = False
         self.declare_parameter(
             JOINT_NAMES,
             names_of(self._resources.model.joints),
@@ -168,6 +182,19 @@ class PoseNode(LifecycleNode):
             self.describe_parameter(JOINT_NAMES).read_only = False
             self.undeclare_parameter(JOINT_NAMES)
 
+    def _change_state_if_possible(
+        self, request: ChangeState.Request, response: ChangeState.Response
+    ) -> ChangeState.Response:
+        """Answer a request to change the state; rclpy raises an error if the state forbids it."""
+        try:
+            return self._change_state(request, response)
+        except RuntimeError as error:  # the base class of rclpy's own errors
+            if not self.context.ok():
+                raise
+            self.get_logger().error(f'a transition was refused: {error}')
+            response.success = False
+            return response
+
     def _run_transition(self, transition: Callable[[], None]) -> TransitionCallbackReturn:
         """Run the work of a transition, and log the reason if it fails."""
         try:
@@ -191,7 +218,7 @@ class PoseNode(LifecycleNode):
         resources = self._resources
         reason = refusal(
             changes,
-            configured=resources is not None,
+            configured=self._configuring or resources is not None,
             points=resources.model.settings.points if resources is not None else 0,
         )
         return SetParametersResult(successful=not reason, reason=reason)

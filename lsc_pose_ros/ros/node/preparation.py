@@ -61,7 +61,7 @@ def prepare_resources(node: Node, parameters: NodeSettings) -> Resources:
     The first run takes much longer than the following ones.
 
     Args:
-        node: the node; it is not changed, so that any thread may prepare.
+        node: the node; it is not changed, so any thread may prepare.
         parameters: its parameters.
 
     Raises:
@@ -82,7 +82,7 @@ def prepare_resources(node: Node, parameters: NodeSettings) -> Resources:
 def _logged_duration(node: Node) -> Iterator[None]:
     """Log how long the kernels take, and log in advance if it takes long."""
     begin = time.monotonic()
-    notice = 'compiling the kernels, which takes about half a minute'
+    notice = 'compiling the kernels, which takes about 20 s, or minutes on a slow computer'
     timer = threading.Timer(QUICK_START, node.get_logger().info, [notice])
     timer.daemon = True
     timer.start()

@@ -25,6 +25,7 @@ import pytest
 
 pytest.importorskip('rclpy', reason='ROS 2 (rclpy) is not installed')
 
+from lifecycle_msgs.msg import Transition
 from live_ros import (
     MOST_UNTIL_ENDED,
     Camera,
@@ -247,7 +248,11 @@ def test_transition_that_does_not_exist_is_refused(
     start_in_state('unconfigured')
     assert not services.change('deactivate')
     assert not services.change('fly')
+    assert not services.change_by_number(Transition.TRANSITION_ACTIVATE)
+    assert not services.change_by_number(123)
     assert services.state == 'unconfigured'
+    assert services.change_by_number(Transition.TRANSITION_CONFIGURE)
+    assert services.state == 'inactive'
 
 
 def test_model_that_is_missing_fails_to_configure_and_can_be_mended(
@@ -337,6 +342,32 @@ def test_signal_ends_the_node_while_it_compiles(
     assert wait_until(lambda: any(tmp_path.rglob('*.nbi'))), node.output
     assert 'kernels ready' not in node.output
     ends_in_time(node, number)
+
+
+@pytest.mark.parametrize('autostart', ['true', 'false'])
+def test_services_answer_while_the_node_compiles(
+    start_program: Callable[..., Program],
+    services: NodeServices,
+    small_model_file: Path,
+    tmp_path: Path,
+    autostart: str,
+) -> None:
+    words = ('-p', f'model:={small_model_file}', '-p', f'autostart:={autostart}')
+    node = start_program(
+        *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words), NUMBA_CACHE_DIR=str(tmp_path)
+    )
+    if autostart == 'false':
+        services.ask_to_change('configure')
+    assert node.prints('compiling the kernels'), node.output
+    assert services.state == 'configuring'
+    assert services.get('model') == str(small_model_file)
+    assert not services.change('configure')
+    assert not services.change('activate')
+    assert 'clean up the node first' in services.set('graph', value=False)
+    assert not services.set('minimum_confidence', 0.5)
+    assert services.state == 'configuring'
+    assert 'kernels ready' not in node.output
+    ends_in_time(node, signal.SIGINT)
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
