@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Serialised messages for the tests, made by rosbags alone, with every field free to be wrong."""
+"""Serialized messages for the tests, made by rosbags alone; each field can be wrong."""
 
 from types import SimpleNamespace
 

@@ -122,7 +122,7 @@ def test_rectified_images_use_p(tmp_path: Path, frames: list[Frame]) -> None:
         assert found.camera == expected.camera
 
 
-def test_an_unknown_distortion_is_a_warning(tmp_path: Path, frames: list[Frame]) -> None:
+def test_unknown_distortion_is_a_warning(tmp_path: Path, frames: list[Frame]) -> None:
     lens = Lens('unheard_of', (0.1, 0.2))
     bent = (each._replace(camera=each.camera._replace(lens=lens)) for each in frames)
     reader = open_recording(record(tmp_path / 'bent.mcap', bent))

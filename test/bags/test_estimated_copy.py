@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""A replay answers as a live node does: both go through one `Sequence`."""
+"""A replay gives the estimates of the live node: both use one `TemporalEstimator`."""
 
 from pathlib import Path
 

@@ -58,7 +58,7 @@ def bench(*words, folder):
     return json.loads(path.read_text())
 
 
-def test_a_recording_is_timed(small_model_file, recording, tmp_path, capsys):
+def test_recording_is_timed(small_model_file, recording, tmp_path, capsys):
     words = [recording, '--model', small_model_file, '--frames', 8]
     results = bench(*words, folder=tmp_path)
     assert results['frames'] == 8
@@ -125,7 +125,7 @@ def test_without_any_model_a_small_one_is_trained_with_a_note(
 
 
 @pytest.mark.parametrize(('name', 'words'), [('default', ()), ('front', ('--model', 'front'))])
-def test_the_models_of_the_package(name, words, small_model_file, shipped, tmp_path):
+def test_models_of_the_package(name, words, small_model_file, shipped, tmp_path):
     path = shipped / f'{name}.npz'
     path.write_bytes(small_model_file.read_bytes())
     results = bench('--frames', 1, '--size', '160x120', *words, folder=tmp_path)
@@ -137,9 +137,7 @@ def test_training_and_timing_are_of_different_people():
     assert bench_command.TRAINING.seed != bench_command.TIMED.seed
 
 
-def test_the_number_of_frames_without_people_is_printed(
-    small_model_file, people, tmp_path, capsys
-):
+def test_number_of_frames_without_people_is_printed(small_model_file, people, tmp_path, capsys):
     path = tmp_path / 'partly.mcap'
     nobody = np.full_like(people[0].labels, NO_BODY)
     with RecordingWriter(path) as writer:
@@ -149,7 +147,7 @@ def test_the_number_of_frames_without_people_is_printed(
     assert '2 of 6 frames show too little of a person' in capsys.readouterr().err
 
 
-def test_a_recording_of_nobody(small_model_file, people, tmp_path, capsys):
+def test_recording_of_nobody(small_model_file, people, tmp_path, capsys):
     path = tmp_path / 'empty.mcap'
     with RecordingWriter(path) as writer:
         for frame in people[:3]:
@@ -169,7 +167,7 @@ def test_more_votes_than_points(small_model_file, capsys):
     assert '--query-points 151 of 150 points' in complaint(capsys, words)
 
 
-def test_a_missing_recording_and_a_missing_model(recording, tmp_path, capsys):
+def test_missing_recording_and_missing_model(recording, tmp_path, capsys):
     assert 'gone.mcap' in complaint(capsys, ['bench', tmp_path / 'gone.mcap'])
     words = ['bench', recording, '--model', tmp_path / 'gone.npz']
     assert 'gone.npz' in complaint(capsys, words)
@@ -185,6 +183,6 @@ def test_invalid_values_end_with_status_2(words, capsys):
     assert words[0] in capsys.readouterr().err
 
 
-def test_a_size_that_cannot_be_generated(small_model_file, capsys):
+def test_size_that_cannot_be_generated(small_model_file, capsys):
     words = ['bench', '--model', small_model_file, '--size', '4x4']
     assert 'size is 4x4' in complaint(capsys, words)

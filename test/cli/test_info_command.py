@@ -31,7 +31,7 @@ def info(*words):
     return info_command.run(parser.parse_args([str(word) for word in words]))
 
 
-def test_a_recording(labelled_recording, tmp_path, capsys):
+def test_recording(labelled_recording, tmp_path, capsys):
     assert info(labelled_recording, '--json', tmp_path / 'info.json') == 0
     printed = capsys.readouterr().out
     assert 'frames     10, labelled 10' in printed
@@ -51,7 +51,7 @@ def test_a_recording(labelled_recording, tmp_path, capsys):
     }
 
 
-def test_a_recording_without_frames_is_described_all_the_same(tmp_path, capsys):
+def test_recording_without_frames_is_described(tmp_path, capsys):
     with RecordingWriter(tmp_path / 'one.mcap') as writer:
         writer.write('/chatter', 'std_msgs/msg/String', 5, b'\0\1\0\0\1\0\0\0\0')
     assert info(tmp_path / 'one.mcap') == 0
@@ -71,14 +71,14 @@ def test_frames_that_cannot_be_used_are_a_warning(tmp_path, simple_frames, capsy
     assert 'warning: the reading of frames stopped' in printed
 
 
-def test_an_empty_recording(tmp_path, capsys):
+def test_empty_recording(tmp_path, capsys):
     with RecordingWriter(tmp_path / 'empty'):
         pass
     assert info(tmp_path / 'empty') == 0
     assert 'messages   0' in capsys.readouterr().out
 
 
-def test_a_truncated_recording_says_how_much_was_read(labelled_recording, tmp_path, capsys):
+def test_truncated_recording_says_how_much_was_read(labelled_recording, tmp_path, capsys):
     path = tmp_path / 'cut.mcap'
     data = labelled_recording.read_bytes()
     path.write_bytes(data[: data.rindex(b'\x0f') - 200])
@@ -102,14 +102,14 @@ def test_json_that_cannot_be_written(labelled_recording, tmp_path):
         info(labelled_recording, '--json', tmp_path / 'gone' / 'info.json')
 
 
-def test_the_killed_recording(shared, capsys):
+def test_killed_recording(shared, capsys):
     assert info(shared / 'bags' / 'd160_killed') == 0
     printed = capsys.readouterr().out
     assert 'frames     152, labelled 0' in printed
     assert 'read up to there: 638 messages, 8.9 MB, 9.8 s' in printed
 
 
-def test_a_model_of_the_package_by_its_name(
+def test_model_of_the_package_by_its_name(
     small_model_file, shipped, tmp_path, monkeypatch, capsys
 ):
     monkeypatch.chdir(tmp_path)

@@ -177,7 +177,7 @@ def test_other_failures_end_with_1_and_one_line(
     assert capsys.readouterr() == ('', 'lsc_pose: error: ValueError: odd shape\n')
 
 
-def test_the_debug_variable_shows_the_traceback(
+def test_debug_variable_shows_the_traceback(
     command: Callable[[Callable[[], int]], None],
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -198,7 +198,7 @@ def test_interrupt_ends_with_130_and_without_output(
     assert capsys.readouterr() == ('', '')
 
 
-def test_a_closed_pipe_is_no_error() -> None:
+def test_closed_pipe_is_no_error() -> None:
     # `lsc_pose ... | head -1`, where the reader leaves before the writer has flushed.
     script = (
         'import sys\n'

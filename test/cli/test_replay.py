@@ -222,7 +222,7 @@ def test_without_graph(
     np.testing.assert_array_equal(answer.skeletons.positions, expected.positions)
 
 
-def test_the_nodes_parameters_are_taken(
+def test_parameters_of_the_node_are_options(
     replay: Callable[..., Path], recording: Path, small_model_file: Path
 ) -> None:
     model = load_model(small_model_file)

@@ -313,14 +313,14 @@ def test_evaluate_writes_a_report(model, recordings, tmp_path, capsys):
     assert not re.search(r'(src|href)="?(http|//|file)', page)
 
 
-def test_a_missing_recording(model, tmp_path, capsys):
+def test_missing_recording(model, tmp_path, capsys):
     missing = tmp_path / 'gone.mcap'
     assert 'gone.mcap' in complaint(capsys, ['evaluate', model, missing])
     assert 'gone.mcap' in complaint(capsys, ['train', missing, '-o', tmp_path / 'm.npz'])
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_missing_and_a_wrong_model_file(recordings, tmp_path, capsys):
+def test_missing_and_wrong_model_file(recordings, tmp_path, capsys):
     line = complaint(capsys, ['evaluate', tmp_path / 'gone.npz', recordings[1]])
     assert 'there is no model file' in line
     other = tmp_path / 'other.npz'
@@ -329,17 +329,17 @@ def test_a_missing_and_a_wrong_model_file(recordings, tmp_path, capsys):
     assert 'other.npz is not a usable model file' in line
 
 
-def test_a_folder_that_is_not_there_is_found_out_before_the_training(recordings, tmp_path, capsys):
+def test_missing_folder_is_reported_before_the_training(recordings, tmp_path, capsys):
     line = complaint(capsys, ['train', recordings[0], '-o', tmp_path / 'no' / 'm.npz', *SMALL])
     assert 'its folder must exist' in line
 
 
-def test_an_unknown_joint(recordings, tmp_path, capsys):
+def test_unknown_joint(recordings, tmp_path, capsys):
     words = ['train', recordings[0], '-o', tmp_path / 'm.npz', '--joints', 'nose']
     assert 'unknown joint nose; the joints are head' in complaint(capsys, words)
 
 
-def test_a_recording_without_ground_truth(model, people, tmp_path, capsys):
+def test_recording_without_ground_truth(model, people, tmp_path, capsys):
     path = record(tmp_path / 'bare.mcap', [f._replace(ground_truth=None) for f in people[:3]])
     assert 'has no ground truth' in complaint(capsys, ['evaluate', model, path])
     assert 'has no ground truth' in complaint(capsys, ['train', path, '-o', tmp_path / 'm.npz'])
@@ -352,20 +352,20 @@ def test_empty_masks(model, people, tmp_path, capsys):
     assert 'no labelled person' in complaint(capsys, ['train', path, '-o', tmp_path / 'm.npz'])
 
 
-def test_a_mask_of_another_size(model, people, tmp_path, capsys):
+def test_mask_of_another_size(model, people, tmp_path, capsys):
     path = record(tmp_path / 'small.mcap', [f._replace(labels=f.labels[:60]) for f in people[:2]])
     line = complaint(capsys, ['evaluate', model, path])
     assert '160 x 60' in line
     assert '160 x 120' in line
 
 
-def test_a_camera_matrix_of_zeros(model, people, tmp_path, capsys):
+def test_camera_matrix_of_zeros(model, people, tmp_path, capsys):
     frames = [f._replace(camera=Intrinsics(0.0, 0.0, 0.0, 0.0)) for f in people[:2]]
     path = record(tmp_path / 'blind.mcap', frames)
     assert 'camera_info' in complaint(capsys, ['evaluate', model, path])
 
 
-def test_a_truncated_recording_is_used_up_to_the_damage(model, recordings, tmp_path, capsys):
+def test_truncated_recording_is_used_up_to_the_damage(model, recordings, tmp_path, capsys):
     with open(recordings[0], 'rb') as file:  # noqa: PTH123
         whole = file.read()
     path = tmp_path / 'cut.mcap'
@@ -416,7 +416,7 @@ def test_nobody_need_be_held_out(recordings, tmp_path, capsys):
     assert capsys.readouterr().out.strip().endswith('not calibrated')
 
 
-def test_a_recording_to_calibrate_with_that_shows_nobody(recordings, people, tmp_path, capsys):
+def test_recording_to_calibrate_with_that_shows_nobody(recordings, people, tmp_path, capsys):
     frames = [f._replace(labels=np.full_like(f.labels, NO_BODY)) for f in people[:3]]
     empty = record(tmp_path / 'empty.mcap', frames)
     words = ['train', recordings[0], '-o', tmp_path / 'm.npz', *SMALL, '--calibrate', empty]
@@ -425,13 +425,13 @@ def test_a_recording_to_calibrate_with_that_shows_nobody(recordings, people, tmp
     assert not (tmp_path / 'm.npz').exists()
 
 
-def test_a_negative_seed(recordings, tmp_path, capsys):
+def test_negative_seed(recordings, tmp_path, capsys):
     words = ['train', recordings[0], '-o', tmp_path / 'm.npz', '--seed', '-1']
     assert '--seed -1' in complaint(capsys, words)
 
 
 @pytest.mark.parametrize('tolerance', ['0', '-1', 'nan', 'wide'])
-def test_a_tolerance_out_of_reason(tolerance, model, recordings, capsys):
+def test_impossible_tolerance(tolerance, model, recordings, capsys):
     with pytest.raises(SystemExit) as stop:
         main(['evaluate', model, recordings[1], '--tolerance', tolerance])
     assert stop.value.code == 2

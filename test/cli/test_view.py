@@ -102,7 +102,7 @@ def refused(capsys: pytest.CaptureFixture[str], *words: object) -> str:
     return said.err
 
 
-def test_a_sheet_is_drawn_with_a_model(
+def test_sheet_is_drawn_with_a_model(
     recording: Path, model: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     output = tmp_path / 'sheet.png'
@@ -168,14 +168,14 @@ def test_several_topics_of_skeletons_are_not_guessed_among(
     assert '--skeletons-topic' in said
 
 
-def test_a_wrong_topic_of_skeletons_is_refused(
+def test_wrong_topic_of_skeletons_is_refused(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = (recording, '-o', tmp_path / 'a.png', '--skeletons-topic')
     assert '/mask has no skeletons' in refused(capsys, *words, '/mask')
 
 
-def test_the_model_of_the_package_draws_what_no_recording_holds(
+def test_model_of_the_package_estimates_the_skeletons_to_draw(
     people: list[Frame],
     recording: Path,
     model: Path,
@@ -252,7 +252,7 @@ def test_what_cannot_be_drawn_is_refused_with_a_reason(
     assert not output.exists()
 
 
-def test_a_negative_frame_number_is_refused(
+def test_negative_frame_number_is_refused(
     recording: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as end:

@@ -74,7 +74,7 @@ def test_region_moves_the_principal_point() -> None:
     assert found[:3] == (120, 200, Intrinsics(500.0, 510.0, 220.0, 200.0))
 
 
-def test_a_pixel_of_a_binned_region_shows_what_it_showed_on_the_sensor() -> None:
+def test_pixel_of_a_binned_region_shows_what_it_showed_on_the_sensor() -> None:
     whole = image_camera(info()).camera
     part = image_camera(info(binning=(2, 2), region=(100, 40, 200, 120))).camera
     column, row = 31.0, 17.0
@@ -131,14 +131,14 @@ def test_d_gives_the_lens(model: str, d: tuple[float, ...], lens: Lens | None) -
 @pytest.mark.parametrize(
     ('model', 'd'), [('unheard_of', D5), ('', D5), (RATIONAL_POLYNOMIAL, (*D8, 0, 0, 0, 0, 0.1))]
 )
-def test_an_unknown_distortion_is_named_and_ignored(model: str, d: tuple[float, ...]) -> None:
+def test_unknown_distortion_is_named_and_ignored(model: str, d: tuple[float, ...]) -> None:
     found = image_camera(info(model=model, d=d))
     assert found.camera.lens is None
     assert repr(model) in found.warning
     assert 'centimetres off' in found.warning
 
 
-def test_a_distortion_that_is_not_finite_is_refused() -> None:
+def test_distortion_that_is_not_finite_is_refused() -> None:
     with pytest.raises(InputError, match=r'distortion D .* not finite'):
         image_camera(info(d=(0.1, float('nan'))))
 

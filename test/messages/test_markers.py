@@ -54,7 +54,7 @@ def test_names_are_unique_and_colours_tell_bodies_apart(skeletons):
     assert not np.array_equal(shapes[0].colours[0, :3], shapes[2].colours[0, :3])
 
 
-def test_the_less_sure_the_fainter(skeletons):
+def test_joints_with_less_confidence_are_fainter(skeletons):
     alpha = skeleton_markers(skeletons, EDGES)[0].colours[:, 3]
     assert alpha[0] == pytest.approx(1)
     assert alpha[0] > alpha[1] > alpha[2] > 0
@@ -75,7 +75,7 @@ def test_bodies_that_left_are_deleted(skeletons):
     assert {s.namespace for s in deleted} == drawn
 
 
-def test_a_skeleton_without_bones(skeletons):
+def test_skeleton_without_bones(skeletons):
     shapes = skeleton_markers(skeletons, np.zeros((0, 2), np.int32))
     assert [s.action for s in shapes] == ['add', 'delete', 'add', 'delete']
 
@@ -88,7 +88,7 @@ def of_bodies(skeletons, *rows):
     )
 
 
-def test_a_drawing_deletes_each_body_that_left_once(skeletons):
+def test_drawing_deletes_each_body_that_left_once(skeletons):
     marker_updater = MarkerUpdater(EDGES)
     told = [
         {(s.identifier, s.action) for s in marker_updater.update(each, DrawingSettings())}
@@ -104,7 +104,7 @@ def test_a_drawing_deletes_each_body_that_left_once(skeletons):
     assert told == [both, {(3, 'delete'), (7, 'add')}, {(7, 'delete')}, set(), {(3, 'add')}]
 
 
-def test_a_drawings_style(skeletons):
+def test_style_of_the_markers(skeletons):
     style = DrawingSettings(minimum_confidence=0.4, marker_lifetime=1.5)
     shapes = MarkerUpdater(EDGES).update(skeletons, style)
     assert [len(s.points) for s in shapes] == [2, 2, 2, 2]

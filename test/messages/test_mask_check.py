@@ -31,7 +31,7 @@ def mask(background: int, body: int, rows: slice, columns: slice) -> np.ndarray:
 WALKING = slice(5, 48), slice(20, 36)
 
 
-def test_a_background_that_is_taken_for_a_body_is_asked_about() -> None:
+def test_background_that_is_taken_for_a_body_is_asked_about() -> None:
     check = MaskCheck('/body_index_map', 0)
     check.add(mask(255, 1, *WALKING))
     covered = round(100 * (1 - 43 * 16 / (48 * 64)))

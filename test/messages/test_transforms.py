@@ -72,7 +72,7 @@ def test_unsure_joints_are_left_out(skeletons):
     assert {'head_12', 'body_3'} <= set(children)
 
 
-def test_a_message_that_others_can_read(skeletons):
+def test_message_that_others_can_read(skeletons):
     transforms = skeleton_transforms(skeletons, CAMERA)
     stamp = 1_700_000_000_123_456_789
     store = get_typestore(Stores.ROS2_JAZZY)

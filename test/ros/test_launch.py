@@ -192,7 +192,7 @@ def test_topics_are_remapped_from_what_the_node_listens_to(launch_file: ModuleTy
 
 
 @pytest.mark.parametrize('camera', CAMERAS)
-def test_a_preset_connects_the_camera(launch_file: ModuleType, camera: str) -> None:
+def test_preset_connects_the_camera(launch_file: ModuleType, camera: str) -> None:
     node, rviz = started(launch_file, camera=camera)
     preset = presets()[camera]
     remapped = dict(node['remappings'])
@@ -202,14 +202,14 @@ def test_a_preset_connects_the_camera(launch_file: ModuleType, camera: str) -> N
     assert rviz['arguments'] == ['-d', str(CONFIG / 'lsc_pose.rviz'), '-f', preset['frame']]
 
 
-def test_the_azure_kinect_brings_its_own_mask(launch_file: ModuleType) -> None:
+def test_azure_kinect_brings_its_own_mask(launch_file: ModuleType) -> None:
     node, _ = started(launch_file, camera='azure')
     assert dict(node['remappings'])['mask'] == '/body_index_map/image_raw'
     assert set_in(node)['mask_background'] == 255
     assert set_in(node)['segmentation'] == 'mask'
 
 
-def test_a_mask_that_is_named_is_used(launch_file: ModuleType) -> None:
+def test_mask_that_is_named_is_used(launch_file: ModuleType) -> None:
     node, _ = started(launch_file, camera='realsense')
     assert set_in(node)['segmentation'] == 'nearest'
     node, _ = started(launch_file, camera='realsense', mask='/people')
@@ -219,7 +219,7 @@ def test_a_mask_that_is_named_is_used(launch_file: ModuleType) -> None:
     assert set_in(node)['segmentation'] == 'background'
 
 
-def test_the_command_line_wins_over_the_preset(launch_file: ModuleType) -> None:
+def test_command_line_wins_over_the_preset(launch_file: ModuleType) -> None:
     node, rviz = started(
         launch_file,
         camera='zed',
@@ -332,7 +332,7 @@ def test_rviz_shows_the_topics_that_the_node_has(launch_file: ModuleType) -> Non
     assert all(name == target for name, target in rviz['remappings'])
 
 
-def test_the_cameras_to_choose_from_are_the_files(launch_file: ModuleType) -> None:
+def test_cameras_to_choose_from_are_the_files(launch_file: ModuleType) -> None:
     description = launch_file.generate_launch_description()
     (camera,) = (each for each in description if each.words == ('camera',))
     assert tuple(camera.named['choices']) == CAMERAS
@@ -348,7 +348,7 @@ def test_images_use_the_profile_unless_the_user_has_another(launch_file: ModuleT
 
 
 @pytest.mark.parametrize('camera', CAMERAS)
-def test_a_preset_names_topics_of_the_node_and_its_source(camera: str) -> None:
+def test_preset_names_topics_of_the_node_and_its_source(camera: str) -> None:
     path = CONFIG / 'cameras' / f'{camera}.yaml'
     text = path.read_text(encoding='utf-8')
     preset = presets()[camera]
@@ -366,7 +366,7 @@ def test_a_preset_names_topics_of_the_node_and_its_source(camera: str) -> None:
 
 
 @pytest.mark.parametrize('name', ['lsc_pose.rviz', 'foxglove_layout.json'])
-def test_the_views_show_all_that_the_node_takes_and_gives(name: str) -> None:
+def test_views_show_all_that_the_node_takes_and_gives(name: str) -> None:
     text = (CONFIG / name).read_text(encoding='utf-8')
     tree = json.loads(text) if name.endswith('json') else yaml.safe_load(text)
     named = {value for value in values_in(tree) if isinstance(value, str)}
@@ -376,7 +376,7 @@ def test_the_views_show_all_that_the_node_takes_and_gives(name: str) -> None:
     assert {f'/pose_node/{topic}' for topic in given} | {'/depth/image', '/mask'} <= named
 
 
-def test_the_foxglove_layout_places_every_panel_once() -> None:
+def test_foxglove_layout_places_every_panel_once() -> None:
     tree = json.loads((CONFIG / 'foxglove_layout.json').read_text(encoding='utf-8'))
 
     def panels(place: object) -> Iterator[str]:
@@ -398,6 +398,6 @@ def test_the_foxglove_layout_places_every_panel_once() -> None:
     assert status['selectedName'].removeprefix('pose_node: ') in diagnostics
 
 
-def test_the_files_are_found_where_the_package_is_installed() -> None:
+def test_files_are_found_where_the_package_is_installed() -> None:
     for parts in (('cameras', 'azure.yaml'), ('lsc_pose.rviz',), ('foxglove_layout.json',)):
         assert resource('config', *parts).is_file()

@@ -70,7 +70,7 @@ def test_what_is_measured_can_be_true(ros_environment, small_model_file, tmp_pat
     assert 4 < run['joints_an_answer'] <= 8
 
 
-def test_a_model_that_is_none_is_told_of_in_one_line(ros_environment, tmp_path):
+def test_model_that_is_none_is_told_of_in_one_line(ros_environment, tmp_path):
     ended = live(ros_environment, '--seconds', 1, '--model', tmp_path / 'none.npz')
     assert ended.returncode == 2
     (complaint,) = (line for line in ended.stderr.splitlines() if 'error' in line)

@@ -134,7 +134,7 @@ def test_in_order_the_stamps_of_pairs_increase_whatever_comes():
         assert 2 * len(stamps) + left_out + waiting == came
 
 
-def test_the_oldest_are_dropped_and_counted():
+def test_oldest_are_dropped_and_counted():
     pairing = Pairing(capacity=3)
     for stamp in range(5):
         pairing.add_depth(stamp, stamp)

@@ -70,7 +70,7 @@ def test_each_frame_has_the_camera_of_its_own_stamp():
     assert focals(frames + synchronizer.finish()) == [(stamp, 100.0 + stamp) for stamp in range(5)]
 
 
-def test_a_camera_that_comes_once_serves_all():
+def test_camera_that_comes_once_serves_all():
     synchronizer = synchronizer_with(with_mask=False, with_ground_truth=False, capacity=3)
     add_info(synchronizer, 0)
     frames = [frame for stamp in range(1, 11) for frame in synchronizer.add_depth(stamp, 'd')]
@@ -79,7 +79,7 @@ def test_a_camera_that_comes_once_serves_all():
     assert focals(frames) == [(stamp, 100.0) for stamp in range(1, 11)]
 
 
-def test_a_camera_that_comes_late_serves_those_that_wait():
+def test_camera_that_comes_late_serves_those_that_wait():
     synchronizer = synchronizer_with(with_mask=False, with_ground_truth=False, capacity=3)
     frames = [frame for stamp in range(5) for frame in synchronizer.add_depth(stamp, 'd')]
     assert frames == []
@@ -87,7 +87,7 @@ def test_a_camera_that_comes_late_serves_those_that_wait():
     assert focals(add_info(synchronizer, 50)) == [(2, 100.0), (3, 100.0), (4, 100.0)]
 
 
-def test_an_older_camera_does_not_settle_a_newer_frame():
+def test_older_camera_does_not_settle_a_newer_frame():
     synchronizer = synchronizer_with(with_mask=False, with_ground_truth=False)
     synchronizer.add_depth(10, 'd')
     assert add_info(synchronizer, 5, 100.0) == []

@@ -61,7 +61,7 @@ def test_metres_are_kept_to_the_quantisation(codec):
     assert (np.abs(decoded[known] - metres[known]) <= 1.01 * step).all()
 
 
-def test_the_inverse_depth_formula():
+def test_inverse_depth_formula():
     header = struct.pack('<iff', 1, 10100.0, -1009.0)
     quantised = np.array([[0, 1011, 4041]], np.uint16)
     decoded = decode_compressed_depth(header + write_png(quantised), '32FC1; compressedDepth png')
@@ -107,7 +107,7 @@ def test_damaged_images():
             decode_compressed_depth(wrong, text)
 
 
-def test_an_8_bit_image_holds_no_depth():
+def test_8_bit_image_holds_no_depth():
     data = bytes(12) + write_png(np.ones((3, 3), np.uint8))
     with pytest.raises(InputError, match='8 bits'):
         decode_compressed_depth(data, '16UC1; compressedDepth png')

@@ -55,7 +55,7 @@ def test_metres_stay_and_what_is_invalid_becomes_zero(big_endian):
     [('mono8', 'u1'), ('8UC1', 'u1'), ('16UC1', 'u2'), ('mono16', 'u2'), ('32SC1', 'i4')],
 )
 @pytest.mark.parametrize('background', [0, 255])
-def test_a_mask_gives_body_numbers(encoding, kind, background):
+def test_mask_gives_body_numbers(encoding, kind, background):
     pixels = np.array([[0, 1, 7], [255, 255, 0]], kind)
     labels = decode_mask(*as_image(pixels, encoding, padding=3), background)
     expected = np.where(pixels == background, NO_BODY, pixels.astype(np.int64))
@@ -66,7 +66,7 @@ def test_a_mask_gives_body_numbers(encoding, kind, background):
 @pytest.mark.parametrize(
     ('decode', 'what'), [(decode_depth, 'depth image'), (decode_mask, 'mask')]
 )
-def test_an_unknown_encoding_is_named_with_those_that_are_known(decode, what):
+def test_unknown_encoding_is_named_with_those_that_are_known(decode, what):
     with pytest.raises(InputError, match=f"{what}: unknown encoding 'rgb8'; .*16UC1"):
         decode(b'\0' * 12, ImageLayout('rgb8', 2, 2, 6, big_endian=False))
 

@@ -88,7 +88,7 @@ def test_known_stream():
     assert decode_rvl(stream, 4).tolist() == [0, 0, 5, 0]
 
 
-def test_a_stream_that_ends_too_soon():
+def test_stream_that_ends_too_soon():
     pixels = images()['noise']
     stream = encode_rvl(pixels)
     with pytest.raises(InputError, match='do not hold 221 pixels'):
@@ -97,7 +97,7 @@ def test_a_stream_that_ends_too_soon():
         decode_rvl(b'', 4)
 
 
-def test_a_stream_for_more_pixels_than_there_are():
+def test_stream_for_more_pixels_than_there_are():
     with pytest.raises(InputError, match='damaged'):
         decode_rvl(encode_rvl(np.zeros(100, np.uint16)), 50)
 

@@ -147,7 +147,7 @@ def test_stages_of_the_method_are_added_if_they_have_run():
     assert measurements.take().stages == {'window': [0.25, 0.5], 'graph': [0.125]}
 
 
-def test_a_stage_that_fails_is_not_timed():
+def test_stage_that_fails_is_not_timed():
     collector = MeasurementCollector()
     with pytest.raises(ValueError, match='bad'), collector.stage('decode'):
         raise ValueError('bad')  # noqa: EM101

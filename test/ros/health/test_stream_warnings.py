@@ -147,7 +147,7 @@ UNEVEN = Counters(depth=400, masks=100, camera_infos=1, pairs=80)
         ('overload', 'replaced', 4),  # 4 / 80 = 0.05
     ],
 )
-def test_a_warning_needs_more_than_a_twentieth_of_what_was_sent(
+def test_warning_needs_more_than_a_twentieth_of_what_was_sent(
     kind: str, name: str, tolerated: int
 ) -> None:
     assert warnings(Counters(), UNEVEN._replace(**{name: tolerated})) == {}
@@ -159,7 +159,7 @@ def test_duplicates_and_late_images_count_together() -> None:
     assert set(warnings(Counters(), UNEVEN._replace(duplicates=13, late=13))) == {'disorder'}
 
 
-def test_the_numbers_in_the_warnings() -> None:
+def test_numbers_in_the_warnings() -> None:
     found = warnings(
         Counters(), UNEVEN._replace(missing=50, lost=60, duplicates=20, late=30, replaced=40)
     )

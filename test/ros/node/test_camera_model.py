@@ -60,7 +60,7 @@ def assert_as_offline(found: list[Skeletons], frames: list[Frame], model_file: P
 
 
 @pytest.mark.parametrize('lens', LENSES, ids=lambda lens: lens.model)
-def test_a_lens_is_undistorted_as_offline(
+def test_lens_is_undistorted_as_offline(
     start_node: Callable[..., Program],
     camera: Camera,
     estimates: PublishedEstimates,
@@ -107,7 +107,7 @@ def with_other_k(data: bytes) -> Any:
     return serialize_message(info)
 
 
-def test_an_unknown_distortion_is_a_warning(
+def test_unknown_distortion_is_a_warning(
     start_node: Callable[..., Program],
     camera: Camera,
     estimates: PublishedEstimates,

@@ -75,7 +75,7 @@ def test_values_given_at_the_start(declare: Callable[..., NodeSettings]) -> None
 
 
 @pytest.mark.parametrize('value', ['true', True])
-def test_a_choice_that_ros_reads_as_a_bool_is_a_text(
+def test_choice_that_ros_reads_as_a_bool_is_a_text(
     declare: Callable[..., NodeSettings], value: object
 ) -> None:
     assert declare(rectified=value).rectified == 'true'

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Serialised messages to values and back."""
+"""Serialized messages to values and back."""
 
 from types import SimpleNamespace
 from typing import Any
@@ -77,7 +77,7 @@ def test_masks_take_16_bits_only_when_they_must():
     assert message.data.view('<u2').tolist() == [0, 1, 256]
 
 
-def test_a_body_must_not_have_the_backgrounds_number():
+def test_body_must_not_have_the_backgrounds_number():
     labels = np.array([[-1, 0, 1]], np.int32)
     with pytest.raises(InputError, match='body number 0'):
         mask_message(0, '', labels)
@@ -119,7 +119,7 @@ def test_skeletons_there_and_back(skeletons):
         np.testing.assert_array_equal(getattr(message.skeletons, name), values)
 
 
-def test_the_cloud_is_as_the_interface_says(skeletons):
+def test_cloud_has_the_documented_layout(skeletons):
     cloud: Any = typestore().deserialize_cdr(skeletons_message(STAMP, 'f', skeletons), POINT_CLOUD)
     fields = [(field.name, field.offset, field.datatype, field.count) for field in cloud.fields]
     assert fields == [
@@ -182,7 +182,7 @@ def test_clouds_of_another_layout_are_read(skeletons):
     np.testing.assert_array_equal(read.joints, skeletons.joints)
 
 
-def test_a_cloud_without_skeletons():
+def test_cloud_without_skeletons():
     cloud = message_class(POINT_CLOUD)(
         header=header(0), height=1, width=0, fields=[], is_bigendian=False,
         point_step=12, row_step=0, data=np.zeros(0, np.uint8), is_dense=True,
@@ -197,7 +197,7 @@ def test_big_endian_serialisation_is_read():
     assert read_camera_info(data) == read_camera_info(camera_info(STAMP))
 
 
-def test_an_images_pixels_are_not_copied():
+def test_images_pixels_are_not_copied():
     data = image(0, np.ones((40, 50), np.uint16), '16UC1')
     pixels = read_image(data).data
     assert np.shares_memory(pixels, np.frombuffer(data, np.uint8))
@@ -247,7 +247,7 @@ def test_markers_are_what_rviz_draws(skeletons):
     assert [point.x, point.y, point.z] == pytest.approx(skeletons.positions[0, 1].tolist())
 
 
-def test_an_image_that_claims_more_than_it_has():
+def test_image_that_claims_more_than_it_has():
     data = image(0, np.ones((4, 5), np.uint16), '16UC1', height=1 << 31, step=1 << 31)
     message = read_image(data)
     with pytest.raises(InputError, match='do not fill'):

@@ -176,7 +176,7 @@ def test_split_bags_are_read_in_the_order_of_their_numbers(tmp_path, messages):
     assert list(read_messages(folder)) == messages[:36]
 
 
-def test_a_lost_part_of_a_split_bag_is_worth_a_warning(tmp_path, messages):
+def test_missing_part_of_a_split_bag_is_a_warning(tmp_path, messages):
     folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
     (folder / 'bag_0.mcap').unlink()
     reader = read_messages(folder)
@@ -328,14 +328,14 @@ def test_real_bags_are_read_whole(shared, name):
 
 
 @pytest.mark.parametrize('name', ['none', 'fastwrite', 'filezstd'])
-def test_a_real_bags_file_alone(shared, name):
+def test_file_of_a_real_bag_alone(shared, name):
     (path,) = Path(shared / 'bags' / f'd160_{name}').glob('*.mcap*')
     frames = open_recording(path)
     assert frames.count == 60
     assert sum(1 for _ in frames) == 60
 
 
-def test_the_killed_recording_is_read_up_to_the_damage(shared):
+def test_killed_recording_is_read_up_to_the_damage(shared):
     frames = open_recording(shared / 'bags' / 'd160_killed')
     assert frames.count == 153
     assert sum(1 for _ in frames) == 152

@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Which topics make up a frame."""
+"""The topics that make up a frame."""
 
 import pytest
 
@@ -40,7 +40,7 @@ def recorded(encodings=None, empty=(), **topics):
     return RecordedTopics('bag', summaries, ask)
 
 
-def test_the_defaults_win():
+def test_default_names_are_preferred():
     found = find_topics(
         Topics(),
         recorded(
@@ -54,7 +54,7 @@ def test_the_defaults_win():
     )
 
 
-def test_a_realsense():
+def test_realsense():
     found = find_topics(
         Topics(),
         recorded(
@@ -69,7 +69,7 @@ def test_a_realsense():
     )
 
 
-def test_an_azure_kinect():
+def test_azure_kinect():
     found = find_topics(
         Topics(),
         recorded(i='/depth/image_raw /body_index_map/image_raw /ir/image_raw',
@@ -91,7 +91,7 @@ def test_compressed_depth_only():
     )
 
 
-def test_an_image_is_preferred_to_its_compressed_copy():
+def test_image_is_preferred_to_its_compressed_copy():
     found = find_topics(
         Topics(),
         recorded(i='/cam/depth /m/mask', z='/cam/depth/compressedDepth /m/mask/compressed',
@@ -100,7 +100,7 @@ def test_an_image_is_preferred_to_its_compressed_copy():
     assert found[:3] == ('/cam/depth', '/cam/camera_info', '/m/mask')
 
 
-def test_the_encoding_decides_where_the_names_do_not():
+def test_encoding_decides_if_the_names_do_not():
     offer = recorded(
         {'/a/depth': '16UC1', '/a/depth_colour': 'bgr8'},
         i='/a/depth /a/depth_colour /mask', c='/a/camera_info',
@@ -163,6 +163,6 @@ def test_what_is_missing_or_ambiguous(topics, offer, words):
     assert words in str(caught.value)
 
 
-def test_a_mask_need_not_be():
+def test_mask_can_be_missing():
     offer = recorded(i='/depth/image', c='/depth/camera_info')
     assert find_topics(Topics(), offer, need_mask=False).mask == ''

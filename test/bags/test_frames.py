@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Recordings as frames: what is odd but good, what is wrong, and how much memory it takes."""
+"""Recordings as frames: unusual but valid ones, wrong ones, and the memory that reading takes."""
 
 import gc
 import tracemalloc
@@ -71,7 +71,7 @@ def the_frame(path, **options):
     return frame
 
 
-def test_a_plain_frame(tmp_path):
+def test_plain_frame(tmp_path):
     frame = the_frame(write(tmp_path / 'a.mcap', [depth_image(), mask_image(), info()]))
     assert (frame.stamp, frame.frame_id, frame.camera[:4]) == (1, 'camera', (60, 61, 31.5, 23.5))
     assert frame.ground_truth is None
@@ -116,7 +116,7 @@ def test_depth_by_the_transport_compressed(tmp_path):
     the_frame(write(tmp_path / 'a.mcap', [depth_topic, mask_image(), info()]))
 
 
-def test_a_mask_with_the_background_255(tmp_path):
+def test_mask_with_the_background_255(tmp_path):
     mask = np.where(MASK == 0, 255, MASK).astype(np.uint8)
     path = write(
         tmp_path / 'a.mcap',
@@ -145,7 +145,7 @@ def test_topics_by_their_encoding(tmp_path):
     the_frame(path)
 
 
-def test_the_camera_info_may_come_once_and_late(tmp_path):
+def test_camera_info_may_come_once_and_late(tmp_path):
     messages = [message(stamp) for stamp in range(5) for message in (depth_image, mask_image)]
     path = write(tmp_path / 'a.mcap', [*messages, info(3)])
     assert [frame.stamp for frame in open_recording(path)] == list(range(5))
@@ -169,7 +169,7 @@ def test_what_has_no_partner_is_counted(tmp_path):
     ]
 
 
-def test_a_damaged_message_is_left_out(tmp_path):
+def test_damaged_message_is_left_out(tmp_path):
     broken = '/depth/image', IMAGE, 2, depth_image(2)[3][:50]
     messages = [depth_image(1), mask_image(1), broken, mask_image(2), info()]
     reader = open_recording(write(tmp_path / 'a.mcap', messages))
@@ -229,7 +229,7 @@ def test_compressions_that_cannot_be_used(tmp_path, topic, text, words):
     assert f'topic {topic}' in str(caught.value)
 
 
-def test_a_ground_truth_topic_that_is_none(tmp_path):
+def test_ground_truth_topic_that_is_none(tmp_path):
     path = write(tmp_path / 'a.mcap', [depth_image(), mask_image(), info()])
     with pytest.raises(InputError, match='no topic /truth'):
         open_recording(path, Topics(ground_truth='/truth'))

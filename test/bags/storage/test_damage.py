@@ -92,7 +92,7 @@ def chunk_places(data, tmp_path):
 
 
 @pytest.mark.parametrize('share', [0.3, 0.5, 0.8])
-def test_a_truncated_file_is_read_up_to_there(tmp_path, mcap_bytes, messages, share):
+def test_truncated_file_is_read_up_to_there(tmp_path, mcap_bytes, messages, share):
     path = tmp_path / 'cut.mcap'
     path.write_bytes(mcap_bytes[: int(len(mcap_bytes) * share)])
     reader = read_messages(path)
@@ -122,7 +122,7 @@ def test_only_the_index_is_lost(tmp_path, mcap_bytes, messages):
     assert 'all messages were read' in reader.warnings[0]
 
 
-def test_a_rotten_chunk_is_left_out_and_said(tmp_path, mcap_bytes, messages):
+def test_damaged_chunk_is_left_out_with_a_warning(tmp_path, mcap_bytes, messages):
     start, end = chunk_places(mcap_bytes, tmp_path)[3]
     damaged = bytearray(mcap_bytes)
     damaged[(start + end) // 2 + 20] ^= 4
@@ -152,7 +152,7 @@ def test_channels_that_were_in_a_rotten_chunk_are_found_in_the_index(
     assert any('records of their topics are damaged' in warning for warning in reader.warnings)
 
 
-def test_a_wrong_checksum_of_a_file_without_chunks(tmp_path, messages):
+def test_wrong_checksum_of_a_file_without_chunks(tmp_path, messages):
     path = tmp_path / 'one.mcap'
     with path.open('wb') as stream:
         writer = Writer(stream, use_chunking=False, enable_data_crcs=True)
@@ -170,7 +170,7 @@ def test_a_wrong_checksum_of_a_file_without_chunks(tmp_path, messages):
     assert 'a checksum is wrong' in reader.warnings[0]
 
 
-def test_a_truncated_sqlite_bag(tmp_path, sqlite_bytes, messages):
+def test_truncated_sqlite_bag(tmp_path, sqlite_bytes, messages):
     path = tmp_path / 'cut.db3'
     path.write_bytes(sqlite_bytes[: len(sqlite_bytes) // 2])
     reader = read_messages(path)
@@ -180,7 +180,7 @@ def test_a_truncated_sqlite_bag(tmp_path, sqlite_bytes, messages):
     assert 'cut.db3: damaged' in reader.warnings[0]
 
 
-def test_a_truncated_compressed_file(tmp_path, mcap_bytes, sqlite_bytes, messages):
+def test_truncated_compressed_file(tmp_path, mcap_bytes, sqlite_bytes, messages):
     for name, data in (('cut.mcap.zstd', mcap_bytes), ('cut.db3.zstd', sqlite_bytes)):
         packed = zstandard.compress(data)
         path = tmp_path / name

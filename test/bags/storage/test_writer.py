@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What we write, read back by ourselves, by rosbags and by mcap, and compared with real bags."""
+"""Written recordings, read back by this package, by rosbags and by mcap, and real bags."""
 
 import os
 from importlib.metadata import version
@@ -129,7 +129,7 @@ def records_of(path, *kinds):
         return [record for record in records if isinstance(record, kinds)]
 
 
-def test_the_file_is_what_rosbag2_accepts(tmp_path, simple_frames):
+def test_file_is_what_rosbag2_accepts(tmp_path, simple_frames):
     path = tmp_path / 'one.mcap'
     write_all(path, simple_frames)
     assert [record.profile for record in records_of(path, Header)] == ['ros2']
@@ -155,7 +155,7 @@ def keys_of(value):
     return type(value).__name__
 
 
-def test_the_metadata_have_the_shape_of_a_real_bags(shared, tmp_path, simple_frames):
+def test_metadata_has_the_form_of_a_real_bag(shared, tmp_path, simple_frames):
     write_all(tmp_path / 'bag', simple_frames)
     real = shared / 'bags' / 'd160_none'
     mine = yaml.safe_load((tmp_path / 'bag' / 'metadata.yaml').read_text())
@@ -209,13 +209,13 @@ def test_schemas_and_hashes_are_a_real_bags(shared, tmp_path, simple_frames):
             assert plain == real_lines
 
 
-def test_the_same_frames_give_the_same_bytes(tmp_path, simple_frames):
+def test_same_frames_give_the_same_bytes(tmp_path, simple_frames):
     for name in ('a.mcap', 'b.mcap'):
         write_all(tmp_path / name, simple_frames)
     assert (tmp_path / 'a.mcap').read_bytes() == (tmp_path / 'b.mcap').read_bytes()
 
 
-def test_a_frame_without_ground_truth_and_other_topics(tmp_path, simple_frames):
+def test_frame_without_ground_truth_and_other_topics(tmp_path, simple_frames):
     path = tmp_path / 'one.mcap'
     topics = Topics('/kinect/depth/image_raw', '/kinect/depth/camera_info', '/people/mask')
     with RecordingWriter(path) as writer:
@@ -244,7 +244,7 @@ def test_raw_messages_are_copied_byte_by_byte(tmp_path, labelled_recording):
     assert list(read_messages(tmp_path / 'copy.mcap')) == list(read_messages(labelled_recording))
 
 
-def test_an_error_leaves_nothing_and_spares_what_was_there(tmp_path, simple_frames):
+def test_error_writes_nothing_and_keeps_the_existing_file(tmp_path, simple_frames):
     for name in ('one.mcap', 'bag'):
         with pytest.raises(ZeroDivisionError):
             write_half(tmp_path / name, simple_frames[0])
@@ -257,7 +257,7 @@ def test_an_error_leaves_nothing_and_spares_what_was_there(tmp_path, simple_fram
     assert len(list(tmp_path.iterdir())) == 1
 
 
-def test_a_file_is_replaced_but_a_folder_is_not(tmp_path, simple_frames):
+def test_file_is_replaced_but_a_folder_is_not(tmp_path, simple_frames):
     for _ in range(2):
         write_all(tmp_path / 'one.mcap', simple_frames)
     write_all(tmp_path / 'bag', simple_frames)
@@ -280,7 +280,7 @@ def test_places_that_cannot_be_written_to(tmp_path, name, words):
 
 
 @pytest.mark.skipif(not Path('/dev/full').exists(), reason='no /dev/full here')
-def test_a_full_disk(tmp_path, simple_frames):
+def test_full_disk(tmp_path, simple_frames):
     (tmp_path / f'.one.mcap.{os.getpid()}.partial').symlink_to('/dev/full')
     with pytest.raises(InputError, match=r'one\.mcap: cannot be written \(no space left'):
         write_all(tmp_path / 'one.mcap', simple_frames)
@@ -295,7 +295,7 @@ def test_unknown_types_are_refused(tmp_path):
         writer.write('/thing', 'acme_msgs/msg/Thing', 0, b'\0\1\0\0')
 
 
-def test_a_recording_without_messages_is_whole(tmp_path):
+def test_recording_without_messages_is_complete(tmp_path):
     for name in ('empty.mcap', 'empty'):
         with RecordingWriter(tmp_path / name):
             pass
