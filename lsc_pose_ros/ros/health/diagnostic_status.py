@@ -37,6 +37,7 @@ _NORMAL_COUNTERS = frozenset(
         'depth',
         'masks',
         'camera_infos',
+        'lost_camera_infos',
         'pairs',
         'unmatched_depth',
         'unmatched_masks',

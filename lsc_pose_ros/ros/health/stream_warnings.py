@@ -16,10 +16,13 @@
 """Finds out from counters what is wrong with the stream of frames; does not import ROS."""
 
 from collections.abc import Mapping
+from enum import Enum, auto
 from typing import NamedTuple
 
 TOLERATED_FRACTION = 0.05
 """Any computer that also does other work leaves out a few frames."""
+
+_MINUTE = 60.0
 
 
 class TopicNames(NamedTuple):
@@ -38,6 +41,17 @@ class TopicNames(NamedTuple):
         return tuple(filter(None, self))
 
 
+class Delivery(Enum):
+    """How the messages of a topic are delivered."""
+
+    BEST_EFFORT = auto()
+    """A publisher offers only best effort."""
+    RELIABLE_UNUSED = auto()
+    """All publishers offer reliable delivery, but the node subscribes with best effort."""
+    RELIABLE = auto()
+    """Reliably."""
+
+
 class Counters(NamedTuple):
     """How many messages and events there were since the node was activated.
 
@@ -48,6 +62,7 @@ class Counters(NamedTuple):
         pairs: depth images that found their mask, or need none.
         replaced: pairs that were replaced by a newer one before the worker took them.
         lost: images that the middleware reports as lost.
+        lost_camera_infos: camera infos that the middleware reports as lost.
         rewinds: how often the stamps of the depth images went back.
         missing: depth images that were never received, according to the gaps between stamps.
         unmatched_depth: depth images without a mask; normal if masks are slower.
@@ -63,6 +78,7 @@ class Counters(NamedTuple):
     pairs: int = 0
     replaced: int = 0
     lost: int = 0
+    lost_camera_infos: int = 0
     rewinds: int = 0
     missing: int = 0
     unmatched_depth: int = 0
@@ -83,13 +99,15 @@ class StreamContext(NamedTuple):
         topics: the subscribed topics.
         publishers: how many publishers each topic has.
         profile: the path of the Fast DDS profile.
-        seconds: the time between the two readings of the counters.
+        silence: for how long nothing has been received on each topic, seconds.
+        delivery: how the messages of each topic are delivered.
     """
 
     topics: TopicNames
     publishers: Mapping[str, int]
     profile: str
-    seconds: float = 5.0
+    silence: Mapping[str, float]
+    delivery: Mapping[str, Delivery]
 
 
 def stream_warnings(before: Counters, now: Counters, context: StreamContext) -> dict[str, str]:
@@ -107,6 +125,7 @@ def stream_warnings(before: Counters, now: Counters, context: StreamContext) -> 
         'no camera info': _no_camera_info(now, context),
         'no pairs': _no_pairs(increase, topics),
         'loss': _loss(increase, context),
+        'camera info loss': _camera_info_loss(increase, context),
         'rewind': _rewind(increase, topics),
         'disorder': _disorder(increase, topics),
         'overload': _overload(increase),
@@ -127,9 +146,8 @@ def _nothing_received(topic: str, received: int, remedy: str, context: StreamCon
     count = context.publishers.get(topic, 0)
     if count:
         remedy = 'there is a publisher, but none of its messages arrives: look at its log'
-    return (
-        f'nothing received on {topic} for {context.seconds:.0f} s ({_publishers(count)}); {remedy}'
-    )
+    silence = duration(context.silence[topic])
+    return f'nothing received on {topic} for {silence} ({_publishers(count)}); {remedy}'
 
 
 def _no_camera_info(now: Counters, context: StreamContext) -> str:
@@ -161,20 +179,57 @@ def _loss(increase: Counters, context: StreamContext) -> str:
     """Return a warning if images were sent but not received."""
     received = increase.depth + increase.masks
     sent_depth = increase.depth + increase.missing
+    topics = context.topics
+    affected: list[str] = []
     reasons = []
     if increase.missing > TOLERATED_FRACTION * sent_depth:
+        affected.append(topics.depth)
         reasons.append(
-            f'according to the stamps of {context.topics.depth}, {increase.missing} of '
+            f'according to the stamps of {topics.depth}, {increase.missing} of '
             f'{sent_depth} depth images are missing'
         )
     if increase.lost > TOLERATED_FRACTION * (received + increase.lost):
+        affected += [topics.depth, topics.mask]
         reasons.append(f'the middleware lost {increase.lost} images and received {received}')
     if not reasons:
         return ''
+    return f'{", and ".join(reasons)}; {_loss_remedy(affected, context)}'
+
+
+def _camera_info_loss(increase: Counters, context: StreamContext) -> str:
+    """Return a warning if camera infos were sent but not received."""
+    lost, received = increase.lost_camera_infos, increase.camera_infos
+    if lost <= TOLERATED_FRACTION * (received + lost):
+        return ''
+    topic = context.topics.camera_info
     return (
-        f'{", and ".join(reasons)}; start their publishers with '
-        f'FASTRTPS_DEFAULT_PROFILES_FILE={context.profile}, or let them publish reliably'
+        f'the middleware lost {lost} camera infos of {topic} and received {received}; '
+        f'{_loss_remedy([topic], context)}'
     )
+
+
+def _loss_remedy(topics: list[str], context: StreamContext) -> str:
+    """Return what helps against lost messages of some topics."""
+    delivery = {
+        context.delivery.get(topic, Delivery.BEST_EFFORT) for topic in filter(None, topics)
+    }
+    profile = f'FASTRTPS_DEFAULT_PROFILES_FILE={context.profile}'
+    if Delivery.RELIABLE_UNUSED in delivery:
+        return (
+            'their publishers offer reliable delivery: set the parameter reliability to auto, or '
+            f'start them with {profile}'
+        )
+    if Delivery.BEST_EFFORT in delivery:
+        return f'start their publishers with {profile}, or let them publish reliably'
+    return (
+        'their publishers deliver reliably, so their queues are too short or they leave messages '
+        f'out themselves: give them longer queues (QoS depth), or start them with {profile}'
+    )
+
+
+def duration(seconds: float) -> str:
+    """Return a duration in seconds, or in minutes from two minutes on."""
+    return f'{seconds:.0f} s' if seconds < 2 * _MINUTE else f'{seconds / _MINUTE:.0f} min'
 
 
 def _rewind(increase: Counters, topics: TopicNames) -> str:

@@ -27,6 +27,9 @@ _MEMORY = 600.0
 class Logger(Protocol):
     """The part of rclpy's logger that is used here."""
 
+    def info(self, message: str) -> object:
+        """Log an information."""
+
     def warning(self, message: str) -> object:
         """Log a warning."""
 

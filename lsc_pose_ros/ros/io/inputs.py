@@ -23,7 +23,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, CompressedImage, Image
 
 from lsc_pose_ros.messages.stamps import NANOSECONDS, nanoseconds
-from lsc_pose_ros.ros.health.stream_warnings import Counters, TopicNames
+from lsc_pose_ros.ros.health.stream_warnings import Counters, Delivery, TopicNames
 from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages, ImageMessage
 from lsc_pose_ros.ros.io.subscription import (
@@ -111,6 +111,10 @@ class Inputs:
             each.topic: self._node.count_publishers(each.topic) for each in self._subscriptions
         }
 
+    def delivery(self) -> dict[str, Delivery]:
+        """Return how the messages of each topic are delivered."""
+        return {each.topic: each.delivery for each in self._subscriptions}
+
     def counters(self, replaced: int) -> Counters:
         """Return the counts since the subscriptions were created.
 
@@ -118,13 +122,15 @@ class Inputs:
             replaced: how many frames a newer one replaced before they were estimated.
         """
         synchronizer = self._synchronizer
+        lost = {each.topic: each.lost for each in self._subscriptions}
         return Counters(
             depth=synchronizer.depth,
             masks=synchronizer.masks,
             camera_infos=synchronizer.camera_infos,
             pairs=synchronizer.pairs,
             replaced=replaced,
-            lost=sum(each.lost for each in self._subscriptions),
+            lost=sum(lost.values()) - lost.get(self.topics.camera_info, 0),
+            lost_camera_infos=lost.get(self.topics.camera_info, 0),
             rewinds=synchronizer.rewinds,
             missing=synchronizer.missing,
             out_of_order=synchronizer.out_of_order,

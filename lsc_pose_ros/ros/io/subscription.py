@@ -15,6 +15,7 @@
 
 """A subscription whose QoS follows that of the publishers."""
 
+import time
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -29,9 +30,17 @@ from rclpy.qos import (
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from lsc_pose_ros.ros.health.stream_warnings import Delivery
 from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 
 AUTO = 'auto'
+
+# The name of the node that plays a recording.
+_BAG_PLAYER = 'rosbag2_player'
+
+# `ros2 bag play` sends at once. If it is given a delay of 3 s, the first message comes later than
+# this after its publisher is found, seconds.
+_WITHOUT_DELAY = 1.0
 
 _RELIABILITIES = {
     'best_effort': QoSReliabilityPolicy.BEST_EFFORT,
@@ -92,6 +101,8 @@ class TopicSubscription:
         self._automatic = reliability == AUTO
         self._profile: QoSProfile | None = None
         self._subscription: Subscription | None = None
+        self._player_found: float | None = None
+        self._received = False
         if not self._automatic:
             self._subscribe(
                 QoSProfile(depth=request.queue_depth, reliability=_RELIABILITIES[reliability])
@@ -99,7 +110,8 @@ class TopicSubscription:
 
     def update(self) -> None:
         """Subscribe, or subscribe again, if the QoS of the publishers asks for it."""
-        publishers = self._node.get_publishers_info_by_topic(self.topic)
+        publishers = self._publishers()
+        self._find_player(publishers)
         matching = [each for each in publishers if each.topic_type == self._type_name]
         if len(matching) < len(publishers):
             self._report_wrong_type(publishers)
@@ -113,6 +125,46 @@ class TopicSubscription:
         if self._subscription is not None:
             self._node.destroy_subscription(self._subscription)
             self._subscription = None
+
+    @property
+    def delivery(self) -> Delivery:
+        """How the messages are delivered; best effort if there is no publisher."""
+        publishers = self._publishers()
+        if not publishers or not _all_reliable(publishers):
+            return Delivery.BEST_EFFORT
+        if self._profile is None or self._profile.reliability != QoSReliabilityPolicy.RELIABLE:
+            return Delivery.RELIABLE_UNUSED
+        return Delivery.RELIABLE
+
+    def _publishers(self) -> list[TopicEndpointInfo]:
+        return list(self._node.get_publishers_info_by_topic(self.topic))
+
+    def _receive(self, message: Any) -> None:  # noqa: ANN401
+        if not self._received:
+            self._received = True
+            self._find_player(self._publishers())
+            found = self._player_found
+            if found is not None and time.monotonic() - found < _WITHOUT_DELAY:
+                self._report_player()
+        self._request.add(message)
+
+    def _find_player(self, publishers: Sequence[TopicEndpointInfo]) -> None:
+        """Note when a player of recordings begins and ends to publish."""
+        playing = any(each.node_name == _BAG_PLAYER for each in publishers)
+        if playing and self._player_found is None:
+            self._player_found = time.monotonic()
+        elif self._player_found is not None and not playing:
+            if not self._received:
+                self._report_player()
+            self._player_found = None
+            self._received = False
+
+    def _report_player(self) -> None:
+        self._log.warning(
+            'bag player',
+            f'{self.topic}: ros2 bag play sent its first messages before this node was connected, '
+            'so they were not received; with --delay 3 it waits',
+        )
 
     @property
     def _type_name(self) -> str:
@@ -136,7 +188,7 @@ class TopicSubscription:
     def _create(self, profile: QoSProfile, events: SubscriptionEventCallbacks) -> Subscription:
         request = self._request
         return self._node.create_subscription(
-            request.message_type, request.topic, request.add, profile, event_callbacks=events
+            request.message_type, request.topic, self._receive, profile, event_callbacks=events
         )
 
     def _count_lost(self, event: Any) -> None:  # noqa: ANN401
@@ -167,16 +219,21 @@ class TopicSubscription:
         )
 
 
+def _all_reliable(publishers: Sequence[TopicEndpointInfo]) -> bool:
+    return all(
+        each.qos_profile.reliability == QoSReliabilityPolicy.RELIABLE for each in publishers
+    )
+
+
 def _profile_for(
     publishers: Sequence[TopicEndpointInfo], request: SubscriptionRequest
 ) -> QoSProfile:
     """Return the strictest QoS that all `publishers` offer."""
     offered = [each.qos_profile for each in publishers]
-    reliable = all(each.reliability == QoSReliabilityPolicy.RELIABLE for each in offered)
     kept = all(each.durability == QoSDurabilityPolicy.TRANSIENT_LOCAL for each in offered)
     return QoSProfile(
         depth=request.queue_depth,
-        reliability=_RELIABILITIES['reliable' if reliable else 'best_effort'],
+        reliability=_RELIABILITIES['reliable' if _all_reliable(publishers) else 'best_effort'],
         durability=QoSDurabilityPolicy.TRANSIENT_LOCAL
         if request.latched and kept
         else QoSDurabilityPolicy.VOLATILE,

@@ -27,7 +27,8 @@ from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
-from lsc_pose_ros.ros.health.stream_warnings import Counters, StreamContext, stream_warnings
+from lsc_pose_ros.ros.health.stream_monitor import StreamMonitor
+from lsc_pose_ros.ros.health.stream_warnings import Counters
 from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
 from lsc_pose_ros.ros.io.inputs import Inputs
@@ -41,9 +42,6 @@ if TYPE_CHECKING:
 
 WARNING_PERIOD = 5.0
 """Seconds from one check of the stream to the next."""
-
-REMINDER_PERIOD = 30.0
-"""Seconds after which a warning about a lasting problem is repeated."""
 
 
 class Pipeline:
@@ -71,7 +69,6 @@ class Pipeline:
         self._parameters = parameters
         self._resources = resources
         self._log = ThrottledLog(node.get_logger())
-        self._reminders = ThrottledLog(node.get_logger(), REMINDER_PERIOD)
         self._temporal_estimator = TemporalEstimator(resources.estimator(parameters), parameters)
         self._outputs = resources.outputs
         self._outputs.parameters = parameters
@@ -85,9 +82,10 @@ class Pipeline:
         self._was_ready = True
         self._log_learning()
         # A bound method would be a reference cycle, which keeps the model after `close`.
-        self._counters = partial(_counters, inputs, self._worker)
-        self._last_counters = self._counters()
-        self._diagnostics = Diagnostics(node, self._counters)
+        counters = partial(_counters, inputs, self._worker)
+        self._diagnostics = Diagnostics(node, counters)
+        profile = str(resource('config', 'fastdds_profile.xml'))
+        self._monitor = StreamMonitor(node.get_logger(), inputs.topics, profile, counters)
         # Problems occur in real time, whatever the clock of a recording shows.
         clock = Clock(clock_type=ClockType.STEADY_TIME)
         self._timer: Timer | None = node.create_timer(
@@ -169,14 +167,7 @@ class Pipeline:
             self._log.error(type(error).__name__, f'a frame was left out: {text}')
 
     def _log_warnings(self) -> None:
-        before, self._last_counters = self._last_counters, self._counters()
-        context = StreamContext(
-            self.inputs.topics,
-            self.inputs.publishers(),
-            str(resource('config', 'fastdds_profile.xml')),
-        )
-        for kind, text in stream_warnings(before, self._last_counters, context).items():
-            self._reminders.warning(kind, text)
+        self._monitor.check(self.inputs.publishers(), self.inputs.delivery())
 
 
 def _counters(inputs: Inputs, worker: Worker[FrameMessages]) -> Counters:

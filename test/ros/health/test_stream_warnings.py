@@ -19,8 +19,10 @@ import pytest
 
 from lsc_pose_ros.ros.health.stream_warnings import (
     Counters,
+    Delivery,
     StreamContext,
     TopicNames,
+    duration,
     stream_warnings,
 )
 
@@ -28,6 +30,8 @@ CONTEXT = StreamContext(
     TopicNames('/cam/depth', '/cam/info', '/seg/mask'),
     {'/cam/depth': 1, '/seg/mask': 0},
     '/share/fastdds_profile.xml',
+    {'/cam/depth': 5.0, '/cam/info': 5.0, '/seg/mask': 5.0},
+    dict.fromkeys(('/cam/depth', '/cam/info', '/seg/mask'), Delivery.BEST_EFFORT),
 )
 GOOD = Counters(depth=150, masks=150, camera_infos=150, pairs=150)
 
@@ -92,6 +96,49 @@ def test_lost_images_and_the_remedy() -> None:
     assert 'reliably' in text
 
 
+def test_remedy_against_loss_fits_what_the_publishers_offer() -> None:
+    lossy = GOOD._replace(missing=50, lost=50, lost_camera_infos=50)
+    topics = CONTEXT.topics
+
+    def remedies(depth: Delivery, mask: Delivery) -> str:
+        delivery = {topics.depth: depth, topics.mask: mask, topics.camera_info: depth}
+        return stream_warnings(Counters(), lossy, CONTEXT._replace(delivery=delivery))['loss']
+
+    text = remedies(Delivery.RELIABLE, Delivery.RELIABLE)
+    assert 'deliver reliably' in text
+    assert 'longer queues' in text
+    assert 'let them publish reliably' not in text
+    text = remedies(Delivery.RELIABLE, Delivery.BEST_EFFORT)
+    assert 'let them publish reliably' in text
+    text = remedies(Delivery.RELIABLE_UNUSED, Delivery.RELIABLE)
+    assert 'set the parameter reliability to auto' in text
+    assert 'let them publish reliably' not in text
+
+
+def test_lost_camera_infos_are_not_lost_images() -> None:
+    found = warnings(Counters(), GOOD._replace(lost_camera_infos=50))
+    assert set(found) == {'camera info loss'}
+    text = found['camera info loss']
+    assert 'lost 50 camera infos of /cam/info and received 150' in text
+    assert 'let them publish reliably' in text
+    reliable = CONTEXT._replace(delivery={'/cam/info': Delivery.RELIABLE})
+    now = GOOD._replace(lost_camera_infos=50)
+    text = stream_warnings(Counters(), now, reliable)['camera info loss']
+    assert 'let them publish reliably' not in text
+
+
+@pytest.mark.parametrize(
+    ('seconds', 'text'),
+    [(5.0, '5 s'), (65.2, '65 s'), (119.0, '119 s'), (120.0, '2 min'), (3600.0, '60 min')],
+)
+def test_silence_is_as_long_as_it_was(seconds: float, text: str) -> None:
+    assert duration(seconds) == text
+    context = CONTEXT._replace(silence=dict.fromkeys(CONTEXT.silence, seconds))
+    found = stream_warnings(Counters(), Counters(), context)
+    assert f'nothing received on /cam/depth for {text} (' in found['no depth']
+    assert f'nothing received on /seg/mask for {text} (' in found['no mask']
+
+
 def test_missing_stamps_and_the_remedy() -> None:
     text = warnings(Counters(), GOOD._replace(missing=50))['loss']
     assert 'according to the stamps of /cam/depth, 50 of 200 depth images are missing' in text
@@ -99,7 +146,7 @@ def test_missing_stamps_and_the_remedy() -> None:
     assert 'middleware' not in text
 
 
-@pytest.mark.parametrize('name', ['missing', 'lost', 'duplicates', 'late'])
+@pytest.mark.parametrize('name', ['missing', 'lost', 'lost_camera_infos', 'duplicates', 'late'])
 def test_no_warning_about_few_problems(name: str) -> None:
     assert warnings(Counters(), GOOD._replace(**{name: 5})) == {}
 

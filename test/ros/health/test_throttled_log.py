@@ -22,6 +22,9 @@ class Log:
     def __init__(self) -> None:
         self.lines: list[tuple[str, str]] = []
 
+    def info(self, message: str) -> None:
+        self.lines.append(('info', message))
+
     def warning(self, message: str) -> None:
         self.lines.append(('warning', message))
 

@@ -67,7 +67,13 @@ def watch() -> None:
     global seen
     before, seen = seen, inputs.counters(0)
     say('counters', seen)
-    context = StreamContext(inputs.topics, inputs.publishers(), '/share/fastdds_profile.xml', 1.0)
+    context = StreamContext(
+        inputs.topics,
+        inputs.publishers(),
+        '/share/fastdds_profile.xml',
+        dict.fromkeys(inputs.topics.subscribed, 1.0),
+        inputs.delivery(),
+    )
     for kind, text in stream_warnings(before, seen, context).items():
         log.warning(kind, text)
 

@@ -45,6 +45,27 @@ from lsc_pose_ros.ros.health.stream_warnings import Counters
 
 PROGRAM = Path(__file__).parent / 'inputs_program.py'
 RELIABLE = QoSProfile(depth=10)
+
+# Publishes as `ros2 bag play [--delay]` does: at once, or after the wait.
+PLAYER = """
+import sys
+import time
+
+import rclpy
+from rclpy.node import Node
+from sensor_msgs.msg import Image
+
+rclpy.init()
+node = Node('rosbag2_player')
+publisher = node.create_publisher(Image, 'depth/image', 10)
+if sys.argv[1] == 'delay':
+    while not publisher.get_subscription_count():
+        time.sleep(0.01)
+    time.sleep(2.0)
+while rclpy.ok():
+    publisher.publish(Image())
+    time.sleep(0.03)
+"""
 LATCHED = QoSProfile(depth=1, durability=QoSDurabilityPolicy.TRANSIENT_LOCAL)
 FRAME = 33_333_333
 START = 1_700_000_000_000_000_000
@@ -207,6 +228,62 @@ def test_publisher_of_another_type_is_named_with_the_remedy(
     assert program.prints(f'/{topic}: a publisher sends sensor_msgs/msg/CompressedImage')
     assert f'set the parameter {parameter}' in program.output
     assert stays(lambda: program.output.count('a publisher sends') == 1)
+
+
+@pytest.mark.parametrize(
+    ('qos', 'words', 'remedy'),
+    [
+        (RELIABLE, (), 'their publishers deliver reliably'),
+        (RELIABLE, ('reliability=best_effort',), 'set the parameter reliability to auto'),
+        (qos_profile_sensor_data, (), 'let them publish reliably'),
+    ],
+)
+def test_remedy_against_missing_images_fits_what_is_offered(
+    listen: Callable[..., Program],
+    probe: Node,
+    qos: QoSProfile,
+    words: tuple[str, ...],
+    remedy: str,
+) -> None:
+    program = listen('segmentation=nearest', *words)
+    senders = Senders(probe, qos, mask=False)
+    senders.wait_for_connections()
+    for number in range(40):
+        stamp = START + FRAME * (number if number < 20 else number + 20)
+        senders.depth.publish(image(stamp))
+        senders.wait_until_taken()
+    assert program.prints('depth images are missing; '), program.output
+    assert remedy in program.output
+
+
+def test_player_of_recordings_gets_the_hint_to_wait(
+    listen: Callable[..., Program], start_program: Callable[..., Program]
+) -> None:
+    program = listen('segmentation=nearest')
+    hint = '/depth/image: ros2 bag play sent its first messages before this node was connected'
+
+    def hint_is_given() -> bool:
+        # On a busy computer, the first message may come as late as with a delay.
+        before = counters_of(program).depth
+        player = start_program('-c', PLAYER, 'at once')
+        assert wait_until(lambda: counters_of(program).depth > before)
+        player.kill()
+        assert program.prints('counters')
+        return hint in program.output
+
+    assert program.prints('counters')
+    assert wait_until(hint_is_given), program.output
+    assert 'with --delay 3 it waits' in program.output
+
+
+def test_player_of_recordings_that_waits_gets_no_hint(
+    listen: Callable[..., Program], start_program: Callable[..., Program]
+) -> None:
+    program = listen('segmentation=nearest')
+    assert program.prints('counters')
+    start_program('-c', PLAYER, 'delay')
+    assert wait_until(lambda: counters_of(program).depth)
+    assert 'bag play' not in program.output
 
 
 def test_silence_is_told_topic_by_topic(listen: Callable[..., Program], probe: Node) -> None:
