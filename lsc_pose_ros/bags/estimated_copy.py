@@ -20,6 +20,7 @@ from collections.abc import Iterator
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, SerializedMessage, read_messages
 from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
+from lsc_pose_ros.camera.roll import in_camera_frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.messages.markers import MarkerUpdater
@@ -60,6 +61,7 @@ def write_estimated_copy(
         skeletons = temporal_estimator.estimate(
             frame.stamp, frame.depth, frame.labels, frame.camera
         )
+        skeletons = in_camera_frame(skeletons, frame.roll)
         shapes = marker_updater.update(skeletons, drawing_settings)
         head = (frame.stamp, frame.frame_id)
         writer.write(SKELETONS_TOPIC, POINT_CLOUD, log_time, skeletons_message(*head, skeletons))
@@ -74,7 +76,7 @@ class _MessageCopier:
     def __init__(self, frames: FrameReader, writer: RecordingWriter) -> None:
         self._writer = writer
         self._depth_topic = frames.topics.depth
-        self._topics = frozenset(filter(None, frames.topics))
+        self._topics = frozenset(filter(None, frames.topics)) | frames.transform_topics
         self._messages = iter(read_messages(frames.path))
         self._log_times: dict[int, int] = {}
 

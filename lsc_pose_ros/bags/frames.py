@@ -18,6 +18,7 @@
 import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TypeAlias
 
@@ -27,10 +28,12 @@ from lsc_pose_ros.bags.serialization.deserialize import (
     read_compressed_image,
     read_image,
     read_skeletons,
+    read_transforms,
 )
 from lsc_pose_ros.bags.storage.reader import RecordingReader
 from lsc_pose_ros.bags.storage.serialized_messages import ReadStatistics, SerializedMessage
 from lsc_pose_ros.bags.topics import RecordedTopics, Topics, Transports, find_topics
+from lsc_pose_ros.camera.transform_tree import TransformTree
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
@@ -38,7 +41,7 @@ from lsc_pose_ros.messages.image_pixels import AnyImage
 from lsc_pose_ros.messages.parse import StampedCamera, StampedImage
 from lsc_pose_ros.messages.rectification import ImageSource
 from lsc_pose_ros.messages.stamps import NANOSECONDS
-from lsc_pose_ros.messages.type_names import IMAGE
+from lsc_pose_ros.messages.type_names import IMAGE, TF_MESSAGE
 from lsc_pose_ros.settings.setting import checked_settings
 from lsc_pose_ros.settings.table import MASK, FrameSettings
 from lsc_pose_ros.synchronization.frame_maker import FrameMaker
@@ -53,6 +56,9 @@ _MOST_REASONS = 5
 
 # How many messages are read at most to find the encodings of the images.
 _MOST_PEEKED = 5000
+
+# The end of the names of topics with static transforms.
+_STATIC = 'tf_static'
 
 _FIND_ALL = Topics()
 _DEFAULT_SETTINGS = FrameSettings()
@@ -70,6 +76,7 @@ class FrameReader:
         warnings: a sentence for each problem of the recording. The list grows during an iteration
             and is cleared by the next one.
         camera: how the last camera info was read: which matrix was taken, and why.
+        roll: which roll of the camera was taken, and why.
     """
 
     def __init__(self, messages: RecordingReader, topics: Topics, settings: FrameSettings) -> None:
@@ -79,12 +86,20 @@ class FrameReader:
         self.path = messages.path
         self.topics = topics
         self.warnings = messages.warnings
-        self.camera = ''
+        self.camera = self.roll = ''
 
     @property
     def count(self) -> int | None:
         """The number of depth images according to the recording, None if it is unknown."""
         return self._messages.topics[self.topics.depth].count
+
+    @property
+    def transform_topics(self) -> frozenset[str]:
+        """The topics of transforms, empty if the roll of the camera does not depend on them."""
+        if self._settings.roll is not None:
+            return frozenset()
+        topics = self._messages.topics
+        return frozenset(name for name, each in topics.items() if each.type_name == TF_MESSAGE)
 
     @property
     def statistics(self) -> ReadStatistics:
@@ -97,8 +112,9 @@ class FrameReader:
         Raises:
             InputError: a message cannot be used, or there is no complete frame.
         """
-        reading = _Reading(self._messages, self.topics, self._settings)
         maker = FrameMaker(self.topics, self._settings)
+        reading = _Reading(self._messages, self.topics, self._settings)
+        reading.use_transforms(self.transform_topics, maker.roll_finder.tree)
         usable, unusable = 0, reading.unusable
         for parts in reading.synchronized():
             try:
@@ -106,7 +122,7 @@ class FrameReader:
             except InputError as error:
                 unusable.add(str(error))
                 continue
-            self.camera = maker.camera
+            self.camera, self.roll = maker.camera, maker.roll_finder.choice
             usable += 1
             yield frame
         self.warnings.extend([*maker.warnings, *reading.warnings()])
@@ -153,7 +169,12 @@ class _Unusable:
 class _Reading:
     """One pass through a recording."""
 
-    def __init__(self, messages: RecordingReader, topics: Topics, settings: FrameSettings) -> None:
+    def __init__(
+        self,
+        messages: RecordingReader,
+        topics: Topics,
+        settings: FrameSettings,
+    ) -> None:
         self._messages = messages
         self._source = ImageSource(topics.depth, settings.rectified)
         self._topics = topics
@@ -169,13 +190,26 @@ class _Reading:
             self._find_first_info,
         )
         self.unusable = _Unusable()
+        self._transform_topics: frozenset[str] = frozenset()
+        self._tree = TransformTree()
+
+    def use_transforms(self, topics: frozenset[str], tree: TransformTree) -> None:
+        """Add the transforms of `topics` to `tree`."""
+        self._transform_topics, self._tree = topics, tree
 
     def synchronized(self) -> Iterator[_Parts]:
         """Yield the parts of each frame."""
         frame_topics = frozenset(filter(None, self._topics))
+        transform_topics = self._transform_topics
+        # Static transforms hold for the whole recording, wherever they are in it.
+        static = {name for name in transform_topics if name.endswith(_STATIC)}
+        for message in self._messages.select(static) if static else ():
+            self._add_transforms(message)
         for message in self._messages:
             if message.topic in frame_topics:
                 yield from self._add(message)
+            elif message.topic in transform_topics:
+                self._add_transforms(message)
         yield from self._synchronizer.finish()
 
     def warnings(self) -> list[str]:
@@ -211,14 +245,18 @@ class _Reading:
             return f'no camera info of {topics.camera_info} came in time'
         return f'no mask of {topics.mask} has the stamp of a depth image'
 
+    def _add_transforms(self, message: SerializedMessage) -> None:
+        with suppress(DamagedMessageError):
+            for transform in read_transforms(message.data):
+                self._tree.add(transform)
+
     def _find_first_info(self) -> StampedCamera | None:
         """Return the first usable camera info of the recording."""
-        for message in RecordingReader(self._messages.path):
-            if message.topic == self._topics.camera_info:
-                try:
-                    return read_camera_info(message.data, self._source)
-                except InputError:
-                    continue
+        for message in self._messages.select({self._topics.camera_info}):
+            try:
+                return read_camera_info(message.data, self._source)
+            except InputError:  # noqa: PERF203
+                continue
         return None
 
     def _add(self, message: SerializedMessage) -> list[_Parts]:

@@ -49,6 +49,7 @@ class RecordingReport(NamedTuple):
         labelled_frames: the number of frames with ground truth.
         frame_topics: the topics of the frames, by their role.
         camera: how the camera infos were read; '' without frames.
+        camera_roll: which roll of the camera was taken, and why; '' without frames.
         warnings: a sentence for each problem.
     """
 
@@ -63,6 +64,7 @@ class RecordingReport(NamedTuple):
     labelled_frames: int
     frame_topics: dict[str, str]
     camera: str
+    camera_roll: str
     warnings: list[str]
 
 
@@ -129,5 +131,6 @@ class Inspection:
             labelled_frames=self._labelled,
             frame_topics={name: topic for name, topic in used._asdict().items() if topic},
             camera=self._frames.camera if self._frames is not None else '',
+            camera_roll=self._frames.roll if self._frames is not None else '',
             warnings=[*reader.warnings, *self._without_frames],
         )

@@ -37,6 +37,9 @@ class Frame(NamedTuple):
         labels: the number of the body that a pixel shows, or NO_BODY, shape (H, W), int32.
         camera: the intrinsics of the depth image.
         ground_truth: the labelled skeletons, or None.
+        roll: by how many degrees the camera is turned clockwise, seen from behind it: 0, 90, 180
+            or 270. All other attributes are those of the upright image;
+            `lsc_pose_ros.camera.roll.in_camera_frame` turns joints back.
     """
 
     stamp: int
@@ -45,3 +48,4 @@ class Frame(NamedTuple):
     labels: NDArray[np.int32]
     camera: Intrinsics
     ground_truth: Skeletons | None
+    roll: int = 0

@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.camera.transform_tree import FrameTransform, Rotation
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, unpack
 from lsc_pose_ros.errors import InputError
@@ -98,6 +99,18 @@ def parse_camera_info(message: Any, source: ImageSource) -> StampedCamera:  # no
         InputError: as `image_camera`.
     """
     return StampedCamera(nanoseconds(message.header.stamp), *image_camera(message, source))
+
+
+def parse_transforms(message: Any) -> list[FrameTransform]:  # noqa: ANN401
+    """Return the rotations of a tf2_msgs/TFMessage."""
+    return [
+        FrameTransform(
+            each.header.frame_id,
+            each.child_frame_id,
+            Rotation(*(float(getattr(each.transform.rotation, axis)) for axis in 'xyzw')),
+        )
+        for each in message.transforms
+    ]
 
 
 def parse_skeletons(message: Any) -> StampedSkeletons:  # noqa: ANN401

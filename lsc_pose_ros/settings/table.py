@@ -98,6 +98,29 @@ class CameraSettings:
         details='The log and /diagnostics say which matrix was taken, and why. The distortion '
         'models are plumb_bob, rational_polynomial and equidistant.',
     )
+    camera_roll: str = setting(
+        AUTO,
+        'By how many degrees the camera is turned clockwise, seen from behind it.',
+        choices={
+            '0': 'upright: heads point to the top of the image.',
+            '90': 'heads point to the left.',
+            '180': 'upside down.',
+            '270': 'heads point to the right.',
+            AUTO: 'from /tf and /tf_static, if they lead from the frame of the depth images to '
+            'gravity_frame; otherwise 0.',
+        },
+        details='The joints are in the frame of the depth images, whatever the roll is.',
+    )
+    gravity_frame: str = setting(
+        '',
+        'Frame whose z axis points up, for camera_roll auto; empty for base_link, '
+        'base_footprint, odom, map or world.',
+    )
+
+    @property
+    def roll(self) -> int | None:
+        """`camera_roll` in degrees, None for auto."""
+        return None if self.camera_roll == AUTO else int(self.camera_roll)
 
 
 @dataclass(frozen=True)

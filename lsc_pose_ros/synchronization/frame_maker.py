@@ -15,6 +15,8 @@
 
 """Makes labelled frames from synchronized messages, for the live node and for recordings."""
 
+from lsc_pose_ros.camera.roll import upright
+from lsc_pose_ros.camera.roll_finder import RollFinder
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.messages.frames import FrameTopics, make_frame
@@ -31,6 +33,7 @@ class FrameMaker:
 
     Attributes:
         camera: how the last camera info was read: which matrix was taken, and why.
+        roll_finder: finds the roll of the camera; add transforms to its tree as they come.
         warnings: sentences on what is suspicious so far, each once.
     """
 
@@ -45,6 +48,7 @@ class FrameMaker:
             InputError: the segmentation is unknown, or its range is empty.
         """
         self.camera = ''
+        self.roll_finder = RollFinder(settings.roll, settings.gravity_frame)
         self.warnings: list[str] = []
         self._topics = topics
         self._settings = settings
@@ -63,7 +67,7 @@ class FrameMaker:
         camera: StampedCamera,
         ground_truth: Skeletons | None = None,
     ) -> Frame:
-        """Return the next frame; arguments as `make_frame`.
+        """Return the next frame, upright; arguments as `make_frame`.
 
         Raises:
             InputError: a message cannot be used; the error names its topic.
@@ -73,10 +77,12 @@ class FrameMaker:
         frame = make_frame(
             depth, mask, camera, ground_truth, topics=self._topics, mask_background=background
         )
+        frame = upright(frame, self.roll_finder.find(frame.frame_id))
+        self._warn(self.roll_finder.warning)
         if self._segmenter is not None:
             labels = segment(self._segmenter, frame.stamp, frame.depth, frame.camera)
-            if ground_truth is not None:
-                labels = numbered_as_ground_truth(labels, ground_truth, frame.camera)
+            if frame.ground_truth is not None:
+                labels = numbered_as_ground_truth(labels, frame.ground_truth, frame.camera)
             frame = frame._replace(labels=labels)
             self._warn(self._segmenter.warning)
         elif mask is not None:

@@ -275,7 +275,9 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
         released = []
         while self._waiting and (self._waiting[0].complete or len(self._waiting) > most_waiting):
             frame = self._waiting.popleft()
-            info = frame.camera_info or self._camera_infos.newest or self._first_info()
+            info = self._camera_infos.newest if frame.camera_info is None else frame.camera_info
+            if info is None:
+                info = self._first_info()
             if info is None:
                 self.without_camera_info += 1
             else:

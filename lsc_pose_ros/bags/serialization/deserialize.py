@@ -21,6 +21,7 @@ from typing import Any, TypeVar
 
 from lsc_pose_ros.bags.serialization.type_store import typestore
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
+from lsc_pose_ros.camera.transform_tree import FrameTransform
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.parse import (
     StampedCamera,
@@ -31,9 +32,16 @@ from lsc_pose_ros.messages.parse import (
     parse_compressed_image,
     parse_image,
     parse_skeletons,
+    parse_transforms,
 )
 from lsc_pose_ros.messages.rectification import ANY_SOURCE, ImageSource
-from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, POINT_CLOUD
+from lsc_pose_ros.messages.type_names import (
+    CAMERA_INFO,
+    COMPRESSED_IMAGE,
+    IMAGE,
+    POINT_CLOUD,
+    TF_MESSAGE,
+)
 
 Values = TypeVar('Values')
 
@@ -72,6 +80,15 @@ def read_camera_info(data: bytes, source: ImageSource = ANY_SOURCE) -> StampedCa
         InputError: as `image_camera`.
     """
     return _read(data, CAMERA_INFO, partial(parse_camera_info, source=source))
+
+
+def read_transforms(data: bytes) -> list[FrameTransform]:
+    """Return the rotations of the tf2_msgs/TFMessage that `data` holds.
+
+    Raises:
+        DamagedMessageError: the bytes are no such message.
+    """
+    return _read(data, TF_MESSAGE, parse_transforms)
 
 
 def read_skeletons(data: bytes) -> StampedSkeletons:

@@ -16,7 +16,7 @@
 """Reads one MCAP file in the order of time; of a damaged file, the messages before the damage."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
@@ -77,6 +77,18 @@ class McapPart:
             type_name = _type_name(channel, summary.schemas)
             _add_topic(topics, channel, type_name, counts.get(number))
         return topics
+
+    def select(self, topics: Container[str]) -> Iterator[SerializedMessage]:
+        """Yield the messages of some topics in the order of log time; other chunks are skipped."""
+        schemas, channels = self._declared
+        numbers = {number for number, channel in channels.items() if channel.topic in topics}
+        layout = self._layout
+        with self._opened(seekable=True) as stream:
+            reading = self._pass(stream, [])
+            reading.schemas.update(schemas)
+            reading.channels.update(channels)
+            wanted = layout._replace(parts=layout.parts_with(numbers))
+            yield from (each for each in reading.messages_in_order(wanted) if each.topic in topics)
 
     def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
         """Yield the messages in the order of log time, as far as the file can be read.

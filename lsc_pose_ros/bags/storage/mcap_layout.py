@@ -41,14 +41,27 @@ class McapLayout(NamedTuple):
     Attributes:
         parts: chunks, and runs of messages outside of chunks that are in the order of time; the
             position is that of the first record in the file, bytes.
-        indexed_channels: the numbers of channels that have messages, according to the message
-            indexes behind the chunks.
+        channels: the numbers of the channels that have messages in a chunk, by its position,
+            according to the message indexes behind it; without index the chunk is missing.
         cut: whether the file ends within a record.
     """
 
     parts: list[TimedPart]
-    indexed_channels: set[int]
+    channels: dict[int, set[int]]
     cut: bool
+
+    @property
+    def indexed_channels(self) -> set[int]:
+        """The numbers of all channels that have messages according to the message indexes."""
+        return set().union(*self.channels.values())
+
+    def parts_with(self, channels: set[int]) -> list[TimedPart]:
+        """Return the parts that hold messages of `channels`, or may do so."""
+        return [
+            part
+            for part in self.parts
+            if part.position not in self.channels or self.channels[part.position] & channels
+        ]
 
     @property
     def in_order(self) -> bool:
@@ -64,7 +77,7 @@ def scan_layout(stream: IO[bytes]) -> McapLayout:
             pass
     except DAMAGE:
         scan.cut = True
-    return McapLayout(scan.parts, scan.indexed_channels, scan.cut)
+    return McapLayout(scan.parts, scan.channels, scan.cut)
 
 
 class _Scan:
@@ -73,7 +86,7 @@ class _Scan:
         self._position = 0
         self._run_ends = -1  # the position behind the last message outside of chunks
         self.parts: list[TimedPart] = []
-        self.indexed_channels: set[int] = set()
+        self.channels: dict[int, set[int]] = {}
         self.cut = False
         self._read(MAGIC_SIZE)
 
@@ -92,7 +105,8 @@ class _Scan:
             self._run_ends = begin + RECORD_HEAD.size + length
         elif opcode == Opcode.MESSAGE_INDEX:
             (channel,) = _CHANNEL_NUMBER.unpack(self._read(_CHANNEL_NUMBER.size))
-            self.indexed_channels.add(channel)
+            if self.parts:
+                self.channels.setdefault(self.parts[-1].position, set()).add(channel)
         self._skip_to(begin + RECORD_HEAD.size + length)
         return True
 

@@ -16,8 +16,8 @@
 """Reads one SQLite file of rosbag2 (.db3) of any schema version."""
 
 import sqlite3
-from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Container, Iterator
+from contextlib import closing, contextmanager, suppress
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -73,6 +73,16 @@ class SqlitePart:
             name: TopicSummary(type_name, None if counts is None else counts.get(number, 0), qos)
             for number, (name, type_name, qos) in rows.items()
         }
+
+    def select(self, topics: Container[str]) -> Iterator[SerializedMessage]:
+        """Yield the messages of some topics in the order of log time."""
+        with suppress(*DAMAGE), self._database() as database:
+            rows = _topic_rows(database)
+            for number in (each for each, row in rows.items() if row[0] in topics):
+                for row in database.execute(f'{_ROWS} WHERE topic_id = ? ORDER BY id', (number,)):
+                    message = _message(row, rows)
+                    if message is not None:
+                        yield message
 
     def messages(self, warnings: list[str]) -> Iterator[SerializedMessage]:
         """Yield the messages in the order of log time, up to the first damage.

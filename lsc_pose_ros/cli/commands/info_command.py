@@ -115,6 +115,7 @@ def _print_recording(report: RecordingReport) -> None:
     if report.frames and not report.frame_topics.get('mask'):
         print(f'masks      not used; people are found with --segmentation {_NO_MASK}')
     print(f'camera     {report.camera or "-"}')
+    print(f'roll       {report.camera_roll or "-"}')
     print('topics')
     width = max((len(topic.name) for topic in report.topics), default=0)
     for topic in report.topics:

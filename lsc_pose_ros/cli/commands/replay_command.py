@@ -132,6 +132,7 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
         if not bodies:
             raise InputError(_nobody(arguments, frames))
     print(f'{output}: {frames} frames, {bodies} bodies')
+    print(f'camera: {reader.camera}; {reader.roll}')
     return 0
 
 

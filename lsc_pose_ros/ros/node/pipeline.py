@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 from rclpy.clock import Clock, ClockType
 from rclpy.node import Node
 
+from lsc_pose_ros.camera.roll import in_camera_frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.pose.stage_clock import StageClock
@@ -32,6 +33,7 @@ from lsc_pose_ros.ros.health.stream_warnings import Counters
 from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
 from lsc_pose_ros.ros.io.inputs import Inputs
+from lsc_pose_ros.ros.io.transform_listener import TransformListener
 from lsc_pose_ros.ros.node.preparation import Resources
 from lsc_pose_ros.ros.node.worker import Worker
 from lsc_pose_ros.settings.table import NodeSettings
@@ -78,6 +80,9 @@ class Pipeline:
         )
         inputs = self.inputs = Inputs(node, parameters, self._log, self._worker.submit)
         self._maker = FrameMaker(inputs.topics, parameters)
+        self._transform_listener = None
+        if parameters.roll is None:
+            self._transform_listener = TransformListener(node, self._maker.roll_finder)
         self._warned: set[str] = set()
         self._was_ready = True
         self._log_learning()
@@ -110,6 +115,8 @@ class Pipeline:
             timeout: seconds to wait for the frame that the worker processes.
         """
         self.inputs.close()
+        if self._transform_listener is not None:
+            self._transform_listener.close()
         self._worker.close(timeout)
         if self._timer is not None:
             self._node.destroy_timer(self._timer)
@@ -131,16 +138,20 @@ class Pipeline:
                 frame.stamp, frame.depth, frame.labels, frame.camera, clock
             )
         self._diagnostics.measurements.add_stages(clock.seconds)
+        skeletons = in_camera_frame(skeletons, frame.roll)
         with stage('publish'):
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
         self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
 
     def _log_frames(self) -> None:
         """Log how camera infos are read, when that changes, and what is suspicious."""
-        camera = self._maker.camera
+        camera, roll = self._maker.camera, self._maker.roll_finder.choice
         if camera != self._diagnostics.notes.get('camera'):
             self._diagnostics.notes['camera'] = camera
             self._node.get_logger().info(f'{self.inputs.topics.camera_info}: {camera}')
+        if roll != self._diagnostics.notes.get('camera roll'):
+            self._diagnostics.notes['camera roll'] = roll
+            self._node.get_logger().info(roll)
         for warning in self._maker.warnings:
             if warning not in self._warned:
                 self._warned.add(warning)

@@ -169,6 +169,8 @@ WHILE_UNCONFIGURED = {
     'background_seconds': 1.0,
     'background_margin': 0.2,
     'rectified': 'true',
+    'camera_roll': '90',
+    'gravity_frame': 'base_link',
     'mask_background': 255,
     'depth_transport': 'compressedDepth',
     'mask_transport': 'compressed',
