@@ -15,6 +15,7 @@
 
 """Package lsc_pose_ros for pip and colcon."""
 
+import sys
 from pathlib import Path
 
 from setuptools import find_packages, setup
@@ -59,6 +60,22 @@ EXTRAS = {
         'types-tqdm',
     ],
 }
+
+PROGRAMS = {
+    'lsc_pose': 'lsc_pose_ros.cli.main:main',
+    'pose_node': 'lsc_pose_ros.ros.node.main:main',
+}
+
+
+def ros2_run_files() -> list[tuple[str, list[str]]]:
+    """Return the data files with which `ros2 run` finds the executables of a wheel.
+
+    It looks in `lib/lsc_pose_ros`, but pip installs the executables in `bin`. colcon, which
+    builds no wheel, installs the executables themselves there.
+    """
+    if not {'bdist_wheel', 'sdist'} & set(sys.argv):
+        return []
+    return [(f'lib/{PACKAGE}', [f'resource/ros2_run/{program}' for program in PROGRAMS])]
 
 
 def shared_files(folder: str, source: str = '') -> list[tuple[str, list[str]]]:
@@ -110,6 +127,7 @@ setup(
         (f'share/{PACKAGE}', ['package.xml']),
         *shared_files('config', f'{PACKAGE}/resources/config'),
         *shared_files('launch'),
+        *ros2_run_files(),
     ],
     package_data={
         PACKAGE: ['py.typed'],
@@ -119,9 +137,6 @@ setup(
     extras_require=EXTRAS,
     zip_safe=False,
     entry_points={
-        'console_scripts': [
-            'lsc_pose = lsc_pose_ros.cli.main:main',
-            'pose_node = lsc_pose_ros.ros.node.main:main',
-        ],
+        'console_scripts': [f'{program} = {target}' for program, target in PROGRAMS.items()],
     },
 )

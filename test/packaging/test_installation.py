@@ -15,6 +15,7 @@
 
 """Each way to install the package: afterwards it finds its model, body and configuration."""
 
+import os
 import shutil
 import sys
 import zipfile
@@ -42,6 +43,14 @@ def assert_complete(report: dict[str, Any], folder: Path) -> None:
     assert report['parameters'] == ['/**']
 
 
+def find_for_ros2_run(prefix: Path, program: str) -> Path:
+    """Return the executable that `ros2 run` starts if `prefix` is in AMENT_PREFIX_PATH."""
+    assert (prefix / 'share/ament_index/resource_index/packages/lsc_pose_ros').is_file()
+    executable = prefix / 'lib/lsc_pose_ros' / program
+    assert os.access(executable, os.X_OK)
+    return executable
+
+
 def test_from_the_sources(
     source: Path, pip_options: list[str], make_environment: MakeEnvironment, tmp_path: Path
 ) -> None:
@@ -51,6 +60,9 @@ def test_from_the_sources(
     version = run(python.with_name('lsc_pose'), '--version', cwd=tmp_path)
     assert version.startswith('lsc_pose ')
     assert (tmp_path / 'environment/share/lsc_pose_ros/config/pose_node.yaml').is_file()
+    for name in ('lsc_pose', 'pose_node'):
+        program = find_for_ros2_run(tmp_path / 'environment', name)
+        assert run(program, '--version', cwd=tmp_path).startswith(f'{name} ')
 
 
 def test_editable(

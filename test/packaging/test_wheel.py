@@ -49,6 +49,7 @@ def test_wheel_holds_no_test_experiment_or_plain_kernel(wheel: zipfile.ZipFile) 
 def test_wheel_holds_the_shared_files_at_their_places(wheel: zipfile.ZipFile) -> None:
     expected = {'share/ament_index/resource_index/packages/lsc_pose_ros'}
     expected.add('share/lsc_pose_ros/package.xml')
+    expected |= {f'lib/lsc_pose_ros/{name}' for name in ('lsc_pose', 'pose_node')}
     for folder in ('config', 'launch'):
         expected |= {
             f'share/lsc_pose_ros/{path.relative_to(ROOT)}'
