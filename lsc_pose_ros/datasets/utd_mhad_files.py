@@ -215,8 +215,7 @@ def _load(path: Path, key: str) -> NDArray[Any]:
         from scipy.io import loadmat  # noqa: PLC0415 - an optional dependency
     except ImportError:
         msg = (
-            'reading UTD-MHAD needs scipy; install it with "pip install lsc_pose_ros[mat]" '
-            'or as python3-scipy'
+            'reading UTD-MHAD needs scipy; install it with pip install scipy, or as python3-scipy'
         )
         raise InputError(msg) from None
     if not path.is_file():

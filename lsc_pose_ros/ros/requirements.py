@@ -36,6 +36,6 @@ def load_with_ros(module: str) -> ModuleType:
         reason = str(error).splitlines()[0] if str(error) else module
         msg = (
             f'ROS 2 is not available to this Python ({reason}); source a ROS 2 installation, '
-            'or run pip install lsc_pose_ros[ros]'
+            "or run pip install '.[ros]' in a clone of the repository"
         )
         raise InputError(msg) from error

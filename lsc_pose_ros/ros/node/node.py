@@ -28,6 +28,7 @@ from rclpy.parameter import Parameter
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.node.background_task import run_in_background
+from lsc_pose_ros.ros.node.bond import ManagerBond
 from lsc_pose_ros.ros.node.parameter_rules import integers_as_doubles, refusal
 from lsc_pose_ros.ros.node.parameters import (
     JOINT_NAMES,
@@ -68,6 +69,7 @@ class PoseNode(LifecycleNode):
             self.get_logger().warning(text)
         self._resources: Resources | None = None
         self._pipeline: Pipeline | None = None
+        self._bond: ManagerBond | None = None
         self._failure: Exception | None = None
         self._starting = False
         self._configuring = False
@@ -164,10 +166,15 @@ class PoseNode(LifecycleNode):
             msg = 'there is no model'
             raise RuntimeError(msg)
         self._pipeline = Pipeline(self, read_parameters(self), self._resources)
+        if not self.autostart:  # otherwise there is no manager
+            self._bond = ManagerBond(self)
         topics = ', '.join(self._pipeline.inputs.topics.subscribed)
         self.get_logger().info(f'ready: listening to {topics}')
 
     def _close_pipeline(self, timeout: float = 5.0) -> None:
+        bond, self._bond = self._bond, None
+        if bond is not None:
+            bond.close()
         pipeline, self._pipeline = self._pipeline, None
         if pipeline is not None:
             pipeline.close(timeout)

@@ -452,5 +452,5 @@ def test_without_ros_the_node_says_how_to_get_it(start_program: Callable[..., Pr
     )
     node = start_program('-c', code)
     assert node.exit_status() == 2
-    assert 'pip install lsc_pose_ros[ros]' in node.output
+    assert "pip install '.[ros]' in a clone" in node.output
     assert 'Traceback' not in node.output

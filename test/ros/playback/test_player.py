@@ -238,4 +238,4 @@ def test_without_ros_the_player_says_how_to_get_it(
     )
     player = start_program('-c', code)
     assert player.exit_status() == 2
-    assert 'pip install lsc_pose_ros[ros]' in player.output
+    assert "pip install '.[ros]' in a clone" in player.output
