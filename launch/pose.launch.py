@@ -56,6 +56,7 @@ PARAMETERS = {
     'model': 'model file, or the name of a model of the package',
     'segmentation': 'mask, background or nearest; mask if an argument names the topic of the mask',
     'rectified': 'auto, true or false',
+    'camera_roll': 'auto, 0, 90, 180 or 270',
     'depth_transport': 'raw or compressedDepth',
     'mask_transport': 'raw or compressed',
     'reliability': 'auto, best_effort or reliable',

@@ -19,7 +19,11 @@ import re
 from pathlib import Path
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
+from lsc_pose_ros.pose.stages import STAGE_NAMES
 from lsc_pose_ros.resources.package_files import resource
+from lsc_pose_ros.ros.health.diagnostic_status import Interval, status_of
+from lsc_pose_ros.ros.health.measurements import Measurements
+from lsc_pose_ros.ros.health.stream_warnings import Counters
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -45,6 +49,21 @@ def test_topics_are_documented() -> None:
         'depth/image', 'depth/camera_info', 'mask',
         '~/skeletons', '~/joint_markers', '/tf', '/diagnostics',
     }  # fmt: skip
+
+
+def test_values_of_the_diagnostics_are_documented() -> None:
+    stages = {name: [0.001] for name in ('decode', 'estimate', 'publish', *STAGE_NAMES)}
+    measured = Measurements(estimates=1, failures=0, bodies=1, latencies=[0.01], stages=stages)
+    interval = Interval(1.0, 0.0, Counters(), Counters(), measured)
+    page = text_of('troubleshooting')
+    documented = set(re.findall(r'`([^`]+)`', page))
+    described = next(line for line in page.splitlines() if line.startswith('| `window p50 (ms)`'))
+    for key in status_of(interval).values:
+        stage, _, percentile = key.partition(' p')
+        if percentile and stage in STAGE_NAMES:
+            assert stage in described, key
+        else:
+            assert {key, key.replace('p95', 'p50')} & documented, key
 
 
 def test_camera_presets_are_documented() -> None:

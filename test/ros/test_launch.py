@@ -293,6 +293,7 @@ def test_arguments_set_the_parameters_of_the_node(launch_file: ModuleType) -> No
         'model': 'front',
         'segmentation': 'background',
         'rectified': 'true',
+        'camera_roll': '90',
         'depth_transport': 'compressedDepth',
         'mask_transport': 'compressed',
         'reliability': 'best_effort',
