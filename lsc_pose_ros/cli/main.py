@@ -25,6 +25,7 @@ from collections.abc import Sequence
 from typing import NamedTuple, Protocol, cast
 
 from lsc_pose_ros import __version__
+from lsc_pose_ros.cli.options.camera_preset import use_camera_preset
 from lsc_pose_ros.errors import InputError
 
 PROGRAM = 'lsc_pose'
@@ -137,6 +138,7 @@ def _run(words: list[str]) -> int:
             module = load(command)
             subparser.description = module.HELP
             module.add_arguments(subparser)
+            use_camera_preset(subparser, words)
     arguments = parser.parse_args(words)
     if module is None:  # parse_args has refused all other words already
         parser.error('name a command')

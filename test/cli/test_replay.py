@@ -420,3 +420,23 @@ def test_empty_masks_leave_no_output(
     assert main(words) == 2
     assert 'the masks of all 3 frames are empty' in capsys.readouterr().err
     assert not output.exists()
+
+
+@pytest.mark.parametrize(
+    ('words', 'option'),
+    [
+        (('--publish', '--model', 'front'), '--model has no effect without -o'),
+        (('--publish', '--smoothing'), '--smoothing has no effect without -o'),
+        (('-o', 'OUT', '--rate', '2'), '--rate has no effect without --publish'),
+        (('-o', 'OUT', '--remap', '/a:=/b'), '--remap has no effect without --publish'),
+    ],
+)
+def test_options_without_effect_are_refused(
+    recording: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    words: tuple[str, ...],
+    option: str,
+) -> None:
+    given = [str(tmp_path / 'out.mcap') if word == 'OUT' else word for word in words]
+    assert option in complain(capsys, recording, *given)

@@ -33,7 +33,15 @@ from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_fra
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.requirements import load_with_ros
-from lsc_pose_ros.settings.table import BACKGROUND, MASK, DrawingSettings
+from lsc_pose_ros.settings.setting import settings_of
+from lsc_pose_ros.settings.table import (
+    BACKGROUND,
+    MASK,
+    NEAREST,
+    DrawingSettings,
+    ModelSettings,
+    TemporalSettings,
+)
 
 if TYPE_CHECKING:
     from lsc_pose_ros.ros.playback.player import Player  # needs rclpy, which only --publish loads
@@ -46,6 +54,17 @@ TERMINATED = 143  # 128 + SIGTERM, as shells report it
 
 # Without --wait-for: the longest time to wait for subscribers before it starts, seconds.
 _PATIENCE = 3.0
+
+
+# The options that only estimate, and those that only publish with their defaults.
+_ESTIMATION_GROUPS = (ModelSettings, TemporalSettings, DrawingSettings)
+_PUBLISHING: dict[str, object] = {
+    'rate': 1.0,
+    'clock': False,
+    'loop': False,
+    'wait_for': None,
+    'remap': [],
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,10 +93,32 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the recording, the model or the output cannot be used, or ROS 2 is missing.
     """
+    _refuse_useless_options(arguments)
     reader = open_frames(arguments.recording, arguments, need_mask=not arguments.publish)
     if arguments.publish:
         return _publish(arguments, reader)
     return _answer(arguments, reader)
+
+
+def _refuse_useless_options(arguments: argparse.Namespace) -> None:
+    """Check that no option is given that has no effect.
+
+    Raises:
+        InputError: there is one.
+    """
+    estimating = {
+        name: setting.default
+        for group in _ESTIMATION_GROUPS
+        for name, setting in settings_of(group).items()
+    }
+    useless = estimating if arguments.publish else _PUBLISHING
+    values = vars(arguments)
+    for name, default in useless.items():
+        if name in values and values[name] != default:
+            option = f'--{name.replace("_", "-")}'
+            purpose = '-o' if arguments.publish else '--publish'
+            msg = f'{option} has no effect without {purpose}; omit it'
+            raise InputError(msg)
 
 
 def _add_publish_arguments(group: argparse._ArgumentGroup) -> None:
@@ -163,7 +204,7 @@ def _publish(arguments: argparse.Namespace, reader: FrameReader) -> int:
     total = None if None in counts else sum(filter(None, counts))
     with ros.open_player(recording, playback) as publishing:
         _warn(publishing.left_out)
-        _wait(arguments.wait_for, reader, publishing)
+        _wait(arguments, reader, publishing)
         reached_end = True
         while reached_end:
             reached_end = publishing.play(progress(recording, total, 'publishing'))
@@ -176,13 +217,22 @@ def _publish(arguments: argparse.Namespace, reader: FrameReader) -> int:
     return 0 if reached_end else TERMINATED
 
 
-def _wait(seconds: float | None, reader: FrameReader, publishing: 'Player') -> None:
+def _wait(arguments: argparse.Namespace, reader: FrameReader, publishing: 'Player') -> None:
+    """Wait for the node.
+
+    Raises:
+        InputError: --wait-for is given, and the node is not there in time.
+    """
     topics = [topic for topic in reader.topics[:3] if topic]
+    seconds = arguments.wait_for
     found = publishing.wait_for_subscribers(topics, seconds or _PATIENCE)
     if not found and seconds is not None:
+        renamed = dict(arguments.remap)
+        names = ', '.join(renamed.get(topic, topic) for topic in topics)
+        hint = f'; if it uses no mask, add --segmentation {NEAREST}' if reader.topics.mask else ''
         msg = (
-            f'no subscriber to {", ".join(topics)} within {seconds:g} s; '
-            'start pose_node first, remapped to them'
+            f'no subscriber to {names} within {seconds:g} s; '
+            f'start pose_node first, remapped to them{hint}'
         )
         raise InputError(msg)
 

@@ -20,6 +20,7 @@ from pathlib import Path
 
 from lsc_pose_ros.bags import FrameReader, open_recording
 from lsc_pose_ros.bags.topics import Topics
+from lsc_pose_ros.cli.options.camera_preset import add_camera_option
 from lsc_pose_ros.cli.options.setting_options import add_group_options, settings_from
 from lsc_pose_ros.settings.table import FrameSettings
 
@@ -34,6 +35,7 @@ _TOPICS = {
 def add_topic_arguments(parser: argparse.ArgumentParser) -> None:
     """Add --NAME-topic for each topic of a frame, and the settings of how frames are made."""
     group = parser.add_argument_group('topics of the recording')
+    add_camera_option(group)
     for name, what in _TOPICS.items():
         group.add_argument(
             f'--{name}-topic',
