@@ -36,6 +36,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from lsc_pose_ros.bags.frames import FrameReader, open_recording
     from lsc_pose_ros.bags.topics import Topics
+    from lsc_pose_ros.camera.roll import in_camera_frame
     from lsc_pose_ros.data_types.camera import Intrinsics, Lens
     from lsc_pose_ros.data_types.conversion import labels_from_mask, metres_from_millimetres
     from lsc_pose_ros.data_types.frame import NO_BODY, Frame
@@ -63,6 +64,7 @@ __all__ = [
     'Skeletons',
     'Topics',
     '__version__',
+    'in_camera_frame',
     'labels_from_mask',
     'load_model',
     'metres_from_millimetres',
@@ -82,6 +84,7 @@ _MODULES = {
     'Model': 'pose.model',
     'Skeletons': 'data_types.skeletons',
     'Topics': 'bags.topics',
+    'in_camera_frame': 'camera.roll',
     'labels_from_mask': 'data_types.conversion',
     'load_model': 'model_io.model_file',
     'metres_from_millimetres': 'data_types.conversion',

@@ -60,6 +60,7 @@ OTHER_NAMES = {
     'depth_image_proc',
     'fix_depth_scale',
     'image_proc',
+    'node_names',
     'rqt_robot_monitor',
 }
 
