@@ -37,6 +37,7 @@ DOCUMENTS = [*sorted(ROOT.glob('*.md')), *DOCS, *PAGES_OF_FOLDERS]
 OTHER_OPTIONS = {
     '--break-system-packages',
     '--clock',
+    '--delay',
     '--draw',
     '--from-paths',
     '--ignore-src',
