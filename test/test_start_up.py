@@ -49,7 +49,7 @@ import json
 
 import numpy as np
 
-from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.camera import Lens
 from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.estimation.warm_up import warm_up
@@ -84,8 +84,12 @@ def messages(frame):
         image(metres, '32FC1'), image(metres, '32FC1', 5),
         compressed(millimetres, 'png'), compressed(millimetres, 'rvl'),
     ]
-    for depth, mask in zip(depths, masks + masks):
-        yield depth, mask, frame.camera
+    lenses = [
+        None, Lens('plumb_bob', (0.1, 0.1)), Lens('equidistant', (0.1, 0.0, 0.0, 0.0)),
+        Lens('rational_polynomial', (0.1,) * 8),
+    ]
+    for number, (depth, mask) in enumerate(zip(depths, masks + masks)):
+        yield depth, mask, frame.camera._replace(lens=lenses[number % 4])
 
 model, recording, graph = sys.argv[1], sys.argv[2], bool(int(sys.argv[3]))
 sent = [message for frame in open_recording(recording) for message in messages(frame)]

@@ -18,7 +18,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.camera import PLUMB_BOB, Intrinsics, Lens
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.messages.codecs.rvl import decode_rvl
@@ -26,7 +26,10 @@ from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.segmentation.segmenter import Segmenter, segment
 
 _DISTANCE = np.float32(2.0)
-_CAMERA = Intrinsics(285.0, 285.0, 160.0, 120.0)
+
+# With a lens, so that the kernels for distortion are compiled, too. The models share them.
+_LENS = Lens(PLUMB_BOB, (0.001,))
+_CAMERA = Intrinsics(285.0, 285.0, 160.0, 120.0, _LENS)
 
 # A figure in an image of 320 x 240: head, trunk with arms spread, legs. Top, bottom, left, right.
 _FIGURE = ((20, 50, 148, 172), (50, 130, 135, 185), (58, 70, 70, 250), (130, 220, 137, 155),
