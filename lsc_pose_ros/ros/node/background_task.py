@@ -46,18 +46,22 @@ def run_in_background(work: Callable[[], Result], node: Node) -> Result:
         ExternalShutdownException: the process is told to stop; the thread still runs.
     """
     outcome: Future[Result] = Future()
-
-    def run() -> None:
-        try:
-            outcome.set_result(work())
-        except BaseException as error:  # noqa: BLE001 - the caller raises it
-            outcome.set_exception(error)
-
     with _served_meanwhile(node) as executor:
-        threading.Thread(target=run, name='background', daemon=True).start()
+        threading.Thread(target=_run, args=(work, outcome), name='background', daemon=True).start()
         while not outcome.done():
             executor.spin_once(timeout_sec=_POLL_PERIOD)
-    return outcome.result()
+    try:
+        return outcome.result()
+    finally:
+        del outcome  # an exception would refer to itself by its traceback and this variable
+
+
+def _run(work: Callable[[], Result], outcome: Future[Result]) -> None:
+    try:
+        outcome.set_result(work())
+    except BaseException as error:  # noqa: BLE001 - the caller raises it
+        outcome.set_exception(error)
+        del outcome  # as in `run_in_background`
 
 
 @contextmanager

@@ -207,18 +207,17 @@ class PoseNode(LifecycleNode):
         try:
             transition()
         except (InputError, ExternalShutdownException) as error:
-            self._failure = error
-            self._log_failure(str(error))
+            self._keep_or_log(error, str(error))
             return TransitionCallbackReturn.FAILURE
         except Exception as error:  # noqa: BLE001 - rclpy would not log it
-            self._failure = error
-            self._log_failure(''.join(traceback.format_exception(error)))
+            self._keep_or_log(error, ''.join(traceback.format_exception(error)))
             return TransitionCallbackReturn.ERROR
         return TransitionCallbackReturn.SUCCESS
 
-    def _log_failure(self, text: str) -> None:
-        # While the node starts, `start` raises the error and the program reports it.
-        if not self._starting and self.context.ok():
+    def _keep_or_log(self, error: Exception, text: str) -> None:
+        if self._starting:
+            self._failure = error  # `start` raises it, and the program reports it
+        elif self.context.ok():
             self.get_logger().error(text)
 
     def _check_changes(self, changes: Iterable[Parameter]) -> SetParametersResult:

@@ -92,6 +92,33 @@ executor.spin_once(timeout_sec=0.0)  # releases what it has just called
 print('released' if model() is None else 'kept')
 """
 
+# A node that cannot be configured because of query_points, and whether its model is gone then.
+RELEASED_AFTER_FAILURE = """
+import gc
+import sys
+import weakref
+
+import rclpy
+
+from lsc_pose_ros.ros.node import preparation
+from lsc_pose_ros.ros.node.node import PoseNode
+
+models = []
+
+def load(name):
+    model = load_model(name)
+    models.append(weakref.ref(model.joints))
+    return model
+
+load_model, preparation._load = preparation._load, load
+rclpy.init(args=sys.argv)
+gc.disable()
+node = PoseNode()
+node.trigger_configure()
+(model,) = models
+print('released' if model() is None else 'kept')
+"""
+
 # The node while Python loads its libraries.
 LOADING = """
 import sys
@@ -281,11 +308,14 @@ def test_transition_that_breaks_down_is_told_and_can_be_tried_anew(
     assert services.state == 'inactive'
 
 
-def test_cleanup_releases_the_model(
-    start_program: Callable[..., Program], small_model_file: Path
+@pytest.mark.parametrize(('code', 'query_points'), [(RELEASED, 0), (RELEASED_AFTER_FAILURE, 9999)])
+def test_cleanup_and_failure_release_the_model(
+    start_program: Callable[..., Program], small_model_file: Path, code: str, query_points: int
 ) -> None:
-    program = start_program('-c', RELEASED, '--ros-args', '-p', f'model:={small_model_file}')
-    assert program.exit_status() == 0
+    words = ('-p', f'model:={small_model_file}', '-p', f'query_points:={query_points}')
+    program = start_program('-c', code, '--ros-args', *words)
+    assert program.exit_status() == 0, program.output
+    assert ('cannot be used' in program.output) == (query_points != 0)
     assert 'released' in program.output
 
 
