@@ -51,21 +51,22 @@ TOPICS = {
     'mask': 'mask',
 }
 
-# The arguments that set a parameter of the node, and their descriptions.
-PARAMETERS = {
-    'model': 'model file, or the name of a model of the package',
-    'segmentation': 'mask, background or nearest; mask if an argument names the topic of the mask',
-    'rectified': 'auto, true or false',
-    'camera_roll': 'auto, 0, 90, 180 or 270',
-    'depth_transport': 'raw or compressedDepth',
-    'mask_transport': 'raw or compressed',
-    'reliability': 'auto, best_effort or reliable',
-    'smoothing': 'true or false',
-    'publish_tf': 'true or false',
-    'use_sim_time': 'true or false',
-}
+BOOLEAN = ('true', 'false')
 
-BOOLEANS = {'smoothing', 'publish_tf', 'use_sim_time'}
+# The arguments that set a parameter of the node, and the values of each; () for any. They are
+# those of lsc_pose_ros/settings/table.py, which the Python of `ros2 launch` may not find.
+PARAMETERS = {
+    'model': (),
+    'segmentation': ('mask', 'background', 'nearest'),
+    'rectified': ('auto', 'true', 'false'),
+    'camera_roll': ('auto', '0', '90', '180', '270'),
+    'depth_transport': ('raw', 'compressedDepth'),
+    'mask_transport': ('raw', 'compressed'),
+    'reliability': ('auto', 'best_effort', 'reliable'),
+    'smoothing': BOOLEAN,
+    'publish_tf': BOOLEAN,
+    'use_sim_time': BOOLEAN,
+}
 
 # The topics of the node that config/lsc_pose.rviz shows.
 SHOWN = (f'{NODE}/skeletons', f'{NODE}/joint_markers')
@@ -126,10 +127,7 @@ def arguments() -> dict[str, tuple[str, str]]:
             str(config() / 'pose_node.yaml'),
             'file of parameters; the arguments and the file of the camera override it',
         ),
-        **{
-            name: ('', f'{meaning}; empty: the value in the file of the camera or in `config`')
-            for name, meaning in PARAMETERS.items()
-        },
+        **{name: ('', meaning_of(name)) for name in PARAMETERS},
         'rviz': ('false', 'whether to start RViz: true or false'),
         'frame': ('', 'fixed frame of RViz; empty: the frame of the camera'),
         'namespace': ('', 'namespace of the node'),
@@ -138,6 +136,17 @@ def arguments() -> dict[str, tuple[str, str]]:
             for name, topic in TOPICS.items()
         },
     }
+
+
+def meaning_of(name: str) -> str:
+    """Return the description of an argument that sets a parameter."""
+    values = ' or '.join(PARAMETERS[name])
+    if name == 'model':
+        values = 'model file, or the name of a model of the package'
+    empty = 'the value in the file of the camera or in `config`'
+    if name == 'segmentation':
+        empty = f'mask if the topic of the mask is given, else {empty}'
+    return f'{values}; empty: {empty}'
 
 
 def nodes(context: LaunchContext) -> list[Any]:
@@ -224,9 +233,15 @@ def typed(name: str, text: str) -> str | bool:
     """Return the value of the parameter `name` for the text of an argument.
 
     Raises:
-        ValueError: the parameter is true or false, and the text is neither.
+        ValueError: the parameter cannot have this value.
     """
-    return boolean(name, text) if name in BOOLEANS else text
+    values = PARAMETERS[name]
+    if values == BOOLEAN:
+        return boolean(name, text)
+    if values and text not in values:
+        msg = f'{name}:={text}: it must be {" or ".join(values)}'
+        raise ValueError(msg)
+    return text
 
 
 def boolean(name: str, text: str) -> bool:

@@ -28,6 +28,7 @@ import pytest
 import yaml
 
 from lsc_pose_ros.resources.package_files import resource
+from lsc_pose_ros.settings.table import SETTINGS
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / 'launch' / 'pose.launch.py'
@@ -268,6 +269,12 @@ def test_rviz_is_not_started_by_default(launch_file: ModuleType) -> None:
         ('smoothing', 'on'),
         ('publish_tf', '2'),
         ('use_sim_time', 'sometimes'),
+        ('segmentation', 'guess'),
+        ('rectified', 'True'),
+        ('camera_roll', '45'),
+        ('depth_transport', 'theora'),
+        ('mask_transport', 'compressedDepth'),
+        ('reliability', 'certain'),
         ('config', '/nowhere/mine.yaml'),
         ('config', '/'),
     ],
@@ -301,11 +308,14 @@ def test_arguments_set_the_parameters_of_the_node(launch_file: ModuleType) -> No
     node, _ = started(launch_file, **texts, smoothing='true', publish_tf='1', use_sim_time='False')
     booleans = {'smoothing': True, 'publish_tf': True, 'use_sim_time': False}
     assert set_in(node) == texts | booleans
-    assert booleans.keys() == launch_file.BOOLEANS
-    defaults = yaml.safe_load((CONFIG / 'pose_node.yaml').read_text(encoding='utf-8'))
-    parameters = defaults['/**']['ros__parameters']
-    for name in launch_file.PARAMETERS.keys() - {'use_sim_time'}:
-        assert isinstance(parameters[name], bool) == (name in booleans), name
+
+
+def test_values_of_the_arguments_are_those_of_the_parameters(launch_file: ModuleType) -> None:
+    for name, values in launch_file.PARAMETERS.items():
+        if name == 'use_sim_time' or isinstance(SETTINGS[name].default, bool):
+            assert values == launch_file.BOOLEAN, name
+        else:
+            assert set(values) == set(SETTINGS[name].choices), name
 
 
 def test_launch_fails_if_the_node_fails(launch_file: ModuleType) -> None:
