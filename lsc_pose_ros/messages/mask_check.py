@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.errors import InputError
 
 # A body does not cover as much of the border and of the whole image; the background does.
 _LEAST_OF_BORDER = 0.8
@@ -52,8 +53,20 @@ class MaskCheck:
 
         Args:
             labels: its body numbers, NO_BODY for none, shape (H, W).
+
+        Raises:
+            InputError: the mask has no background, and 0 is a body, which is the background of
+                most masks.
         """
-        if not self._left or labels.size == 0:
+        if labels.size == 0:
+            return
+        if labels[0, 0] != NO_BODY and labels.min() == 0:
+            msg = (
+                f'{self._topic}: no pixel of the mask has the value {self._background} of '
+                'mask_background, but 0 is a body; is mask_background right?'
+            )
+            raise InputError(msg)
+        if not self._left:
             return
         self._left -= 1
         value = background_like(labels)

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.mask_check import MaskCheck, background_like
 
 
@@ -68,3 +69,11 @@ def test_only_the_first_masks_are_checked() -> None:
         check.add(mask(NO_BODY, 1, *WALKING))
     check.add(mask(255, 1, *WALKING))
     assert not check.warning
+
+
+def test_mask_without_background_whose_body_is_0_is_refused() -> None:
+    check = MaskCheck('/mask', 255)
+    with pytest.raises(InputError, match='no pixel of the mask has the value 255'):
+        check.add(mask(0, 1, *WALKING))
+    check.add(mask(NO_BODY, 0, *WALKING))  # the first body of an Azure Kinect
+    check.add(mask(3, 2, *WALKING))

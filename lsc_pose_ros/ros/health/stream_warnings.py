@@ -169,6 +169,8 @@ def _publishers(count: int) -> str:
 def _no_pairs(increase: Counters, topics: TopicNames) -> str:
     if increase.pairs or not (increase.depth and increase.masks):
         return ''
+    if increase.duplicates >= increase.depth:
+        return ''  # all stamps are equal, zero perhaps, which is another warning
     return (
         f'no mask of {topics.mask} has the stamp of an image of {topics.depth}; publish masks '
         'with the stamp of their depth image, or set the parameters sync_slop and sync_queue'

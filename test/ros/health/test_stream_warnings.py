@@ -215,3 +215,8 @@ def test_numbers_in_the_warnings() -> None:
     assert 'of 500 images' in found['disorder']
     assert '20 repeat the stamp of another and 30 came after newer ones' in found['disorder']
     assert '40 of 80 frames were left out' in found['overload']
+
+
+def test_stamps_that_are_all_equal_are_told_once() -> None:
+    found = warnings(Counters(), GOOD._replace(pairs=0, duplicates=GOOD.depth + GOOD.masks))
+    assert set(found) == {'disorder'}
