@@ -59,17 +59,19 @@ def image_rays(camera: Intrinsics, height: int, width: int) -> ImageRays:
         height: number of rows.
         width: number of columns.
     """
-    columns, rows = np.arange(-1, width + 1), np.arange(-1, height + 1)
-    directions = directions_of(columns[None, :], rows[:, None], camera)
-    right, down = directions[..., 0], directions[..., 1]
+    rays = ImageRays(*(np.empty((height + 2, width + 2), np.float32) for _ in range(3)))
+    columns, rows = np.arange(-1, width + 1)[None, :], np.arange(-1, height + 1)[:, None]
     if camera.lens is None:
-        area = np.full(right.shape, 1 / (camera.fx * camera.fy))
+        # Without a table of directions, which takes longer: a moving crop is a new camera.
+        rays.right[:] = (columns - camera.cx) / camera.fx
+        rays.down[:] = (rows - camera.cy) / camera.fy
+        rays.area[:] = 1 / (camera.fx * camera.fy)
     else:
+        directions = directions_of(columns, rows, camera)
+        rays.right[:], rays.down[:] = directions[..., 0], directions[..., 1]
         # The area of the parallelogram between the rays of the neighbours.
-        by_row = np.gradient(directions, axis=0)
-        by_column = np.gradient(directions, axis=1)
-        area = by_column[..., 0] * by_row[..., 1] - by_column[..., 1] * by_row[..., 0]
-    rays = ImageRays(*(np.array(each, np.float32, order='C') for each in (right, down, area)))
+        by_row, by_column = np.gradient(directions, axis=0), np.gradient(directions, axis=1)
+        rays.area[:] = by_column[..., 0] * by_row[..., 1] - by_column[..., 1] * by_row[..., 0]
     for table in rays:
         table.flags.writeable = False  # the cache returns it again
     return rays

@@ -77,7 +77,7 @@ def make_frame(
             _check_size(labels.shape, metres.shape, topics.depth)
     if camera.height and camera.width:
         with error_names_topic(topics.camera_info):
-            sensor = f' ({camera.sensor})' if camera.sensor else ''
+            sensor = f' ({camera.sensor or "no binning, no region of interest"})'
             _check_size((camera.height, camera.width), metres.shape, topics.depth, sensor)
     outside = pixels_outside_field(camera.camera, *metres.shape)
     if outside is not None:

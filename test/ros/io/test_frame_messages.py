@@ -178,7 +178,7 @@ def test_pixels_are_not_copied_out_of_the_message() -> None:
         (
             FrameMessages(image(MILLIMETRES, '16UC1'), image(MASK, 'mono8'), camera_info(6)),
             1,
-            '16 x 6 pixels, but the images of /cam/depth have 16 x 12',
+            'pixels (no binning, no region of interest), but the images of',
         ),
         (
             FrameMessages(
