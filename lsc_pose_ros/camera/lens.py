@@ -188,13 +188,15 @@ def _farthest(lens: Distortion) -> float:
 def _undistort_all(distorted: NDArray[np.float64], lens: Distortion) -> NDArray[np.float64]:
     directions = np.empty_like(distorted)
     limit = _distorted_radius(lens.farthest, lens)
+    r = 0.0  # of the ray before, which is close to the next one in an image
     for index in range(len(distorted)):
         x, y = 0.0, 0.0
         for _ in range(_OUTER_STEPS):
             moved_x, moved_y = _decentre(x, y, lens)
             radial_x, radial_y = distorted[index, 0] - moved_x, distorted[index, 1] - moved_y
             radius = math.hypot(radial_x, radial_y)
-            factor = _undistorted_radius(min(radius, limit), lens) / radius if radius > 0 else 1.0
+            r = _undistorted_radius(min(radius, limit), lens, r)
+            factor = r / radius if radius > 0 else 1.0
             moved = abs(radial_x * factor - x) + abs(radial_y * factor - y)
             x, y = radial_x * factor, radial_y * factor
             if moved < _SETTLED:
@@ -204,10 +206,16 @@ def _undistort_all(distorted: NDArray[np.float64], lens: Distortion) -> NDArray[
 
 
 @kernel
-def _undistorted_radius(distorted: float, lens: Distortion) -> float:
-    """Return r of a distorted radius, by Newton's method between bounds that enclose r."""
+def _undistorted_radius(distorted: float, lens: Distortion, start: float) -> float:
+    """Return r of a distorted radius, by Newton's method between bounds that enclose r.
+
+    Args:
+        distorted: the distorted radius, at most that of the limit of the field.
+        lens: the lens.
+        start: a value near r, if there is one.
+    """
     low, high = 0.0, lens.farthest
-    r = min(distorted, high)
+    r = start if 0 < start < high else min(distorted, high)
     for _ in range(_RADIAL_STEPS):
         error = _distorted_radius(r, lens) - distorted
         low, high = (low, r) if error > 0 else (r, high)

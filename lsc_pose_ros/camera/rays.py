@@ -87,7 +87,8 @@ def pixels_outside_field(camera: Intrinsics, height: int, width: int) -> NDArray
     if camera.lens is None:
         return None
     columns, rows = np.meshgrid(np.arange(width), np.arange(height))
-    directions = directions_of(columns, rows, camera)
+    right, down, _ = image_rays(camera, height, width)
+    directions = np.stack([right[1:-1, 1:-1], down[1:-1, 1:-1]], axis=-1).astype(np.float64)
     pixels = distort(directions, camera.lens) * (camera.fx, camera.fy) + (camera.cx, camera.cy)
     error = np.abs(pixels - np.stack([columns, rows], axis=-1)).max(axis=-1)
     outside = ~(error <= _LARGEST_ERROR)

@@ -74,14 +74,27 @@ def find_rectification(
     differs = _differ(k, p)
     if not (distorted or differs):
         return Rectification(False, 'D is zero, and P is K')  # noqa: FBT003
-    words = source.topic.lower().replace('/', '_').split('_')
-    if 'rect' in words or 'rectified' in words:
-        return Rectification(True, f'the topic is named {source.topic}')  # noqa: FBT003
-    if 'raw' in words:
-        return Rectification(False, f'the topic is named {source.topic}')  # noqa: FBT003
+    named = _named_as(source.topic)
+    if named is not None:
+        return Rectification(named, f'the topic is named {source.topic}')
     if distorted:
         return Rectification(False, 'D is not zero')  # noqa: FBT003
     return Rectification(True, 'D is zero, and P differs from K')  # noqa: FBT003
+
+
+def _named_as(topic: str) -> bool | None:
+    """Return whether a topic is named as rectified or raw images are, None if it says neither.
+
+    The last part of the name that says it counts: /raw_cameras/1/image_rect is rectified. The
+    drivers of stereo cameras name their rectified images image_rect_raw.
+    """
+    for part in reversed(topic.lower().split('/')):
+        words = part.split('_')
+        if 'rect' in words or 'rectified' in words:
+            return True
+        if 'raw' in words:
+            return False
+    return None
 
 
 def has_camera(p: ArrayLike) -> bool:

@@ -157,6 +157,9 @@ RECTIFIED = Intrinsics(450.0, 455.0, 310.0, 235.0)
         ('/depth/image_raw', 'auto', D5, RAW._replace(lens=Lens(PLUMB_BOB, D5))),
         ('/depth/image_raw', 'auto', (), RAW),
         ('/direct/image_raw', 'auto', (), RAW),  # 'rect' is no word of it
+        ('/rectified_cameras/1/image_raw', 'auto', (), RAW),
+        ('/raw_cameras/1/image_rect', 'auto', D5, RECTIFIED),
+        ('/rect/depth/image', 'auto', D5, RECTIFIED),
         # Then the distortion: a rectified image has none.
         ('/depth/image', 'auto', D5, RAW._replace(lens=Lens(PLUMB_BOB, D5))),
         ('/depth/image', 'auto', (), RECTIFIED),

@@ -273,6 +273,19 @@ class PublishedEstimates:
         return dict(read_skeletons(data) for data in self.of(SKELETONS))
 
 
+def ask(
+    camera: Camera, estimates: PublishedEstimates, node: Program, frames: list[Frame]
+) -> list[Skeletons]:
+    """Send frames one by one; return the answers."""
+    camera.wait_for_node()
+    estimates.wait_for_node()
+    for count, frame in enumerate(frames, 1):
+        camera.send(frame)
+        assert estimates.wait_for(count), node.output
+    found = estimates.skeletons
+    return [found[frame.stamp] for frame in frames]
+
+
 class NodeServices:
     """Calls the node's services from another process, as the ros2 command line does."""
 

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 import pytest
 from bent_frame import LENSES, bend
-from live_ros import Camera, Program, PublishedEstimates, generate
+from live_ros import Camera, Program, PublishedEstimates, ask, generate
 
 from lsc_pose_ros.data_types.camera import Lens
 from lsc_pose_ros.data_types.frame import Frame
@@ -35,19 +35,6 @@ from lsc_pose_ros.pose.estimator import Estimator
 @pytest.fixture(scope='module')
 def frames(tmp_path_factory: pytest.TempPathFactory) -> list[Frame]:
     return generate(tmp_path_factory.mktemp('frames'), frames=3)
-
-
-def ask(
-    camera: Camera, estimates: PublishedEstimates, node: Program, frames: list[Frame]
-) -> list[Skeletons]:
-    """Send frames one by one; return the answers."""
-    camera.wait_for_node()
-    estimates.wait_for_node()
-    for count, frame in enumerate(frames, 1):
-        camera.send(frame)
-        assert estimates.wait_for(count), node.output
-    found = estimates.skeletons
-    return [found[frame.stamp] for frame in frames]
 
 
 def assert_as_offline(found: list[Skeletons], frames: list[Frame], model_file: Path) -> None:

@@ -22,7 +22,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from geometry_msgs.msg import Pose, PoseArray
-from live_ros import Camera, Program, PublishedEstimates, generate
+from live_ros import Camera, Program, PublishedEstimates, ask, generate
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 from rolled_frame import mounting, rolled
@@ -97,18 +97,6 @@ def assert_as_upright(
         np.testing.assert_array_equal(
             skeletons.positions, in_camera_frame(expected, roll).positions
         )
-
-
-def ask(
-    camera: Camera, estimates: PublishedEstimates, node: Program, frames: list[Frame]
-) -> list[Skeletons]:
-    camera.wait_for_node()
-    estimates.wait_for_node()
-    for count, frame in enumerate(frames, 1):
-        camera.send(frame)
-        assert estimates.wait_for(count), node.output
-    found = estimates.skeletons
-    return [found[frame.stamp] for frame in frames]
 
 
 @pytest.mark.parametrize('roll', [90, 180, 270])
