@@ -317,9 +317,7 @@ def open_recording(
         raise InputError('; '.join([f'{path}: the recording has no messages', *messages.warnings]))
     with_masks = settings.segmentation == MASK
     transports = Transports(settings.depth_transport, settings.mask_transport)
-    found = find_topics(topics, recorded, transports, need_mask=need_mask and with_masks)
-    if not with_masks:
-        found = found._replace(mask='')
+    found = find_topics(topics, recorded, transports, with_masks=with_masks, need_mask=need_mask)
     return FrameReader(messages, found, settings)
 
 

@@ -74,6 +74,7 @@ def find_topics(
     recorded: RecordedTopics,
     transports: Transports = _ANY_TRANSPORT,
     *,
+    with_masks: bool = True,
     need_mask: bool = True,
 ) -> Topics:
     """Return the topics of the frames; `mask` and `ground_truth` are '' if there are none.
@@ -82,6 +83,7 @@ def find_topics(
         given: the names that the user has given; each '' is searched for.
         recorded: the topics of the recording.
         transports: the transports of the images.
+        with_masks: whether masks are searched for.
         need_mask: True to raise an error if there is no mask.
 
     Raises:
@@ -96,12 +98,9 @@ def find_topics(
         found = _with_transport(_find_depth(recorded), transports.depth)
         depth = _named(found, _IMAGES, recorded, 'depth')
     info = _named(given.camera_info, (CAMERA_INFO,), recorded, 'camera-info')
-    mask = _named(given.mask, _IMAGES, recorded, 'mask')
-    if not mask:
-        found = _with_transport(_find_mask(recorded, depth), transports.mask)
-        mask = _named(found, _IMAGES, recorded, 'mask')
+    mask = _find_mask(given.mask, recorded, depth, transports.mask) if with_masks else ''
     ground_truth = _named(given.ground_truth, (POINT_CLOUD,), recorded, 'ground-truth')
-    if need_mask and not mask:
+    if with_masks and need_mask and not mask:
         raise InputError(_no_mask(recorded, depth))
     return Topics(
         depth,
@@ -118,15 +117,16 @@ def _with_transport(topic: str, transport: str) -> str:
     return f'{topic}/{transport}'
 
 
-def _no_mask(recorded: RecordedTopics, depth: str) -> str:
-    """Return that no mask was found, and what to do."""
+def _no_mask(recorded: RecordedTopics, depth: str, given: str = '') -> str:
+    """Return that no mask was found, or not the `given` one, and what to do."""
     base = depth.removesuffix(f'/{COMPRESSED_DEPTH}')
     others = [
         name for name in _of_types(recorded, _IMAGES) if name != base and base != _parent(name)
     ]
     choice = f'name its topic with --mask-topic ({", ".join(others)}), or ' if others else ''
     return (
-        f'{recorded.path}: no mask topic was recorded; {choice}'
+        f'{recorded.path}: {f"no topic {given}" if given else "no mask topic"} was recorded; '
+        f'{choice}'
         f'find the people without one: --segmentation {BACKGROUND} or {NEAREST}'
     )
 
@@ -185,7 +185,18 @@ def _find_camera_info(recorded: RecordedTopics, depth: str) -> str:
     return _only(named or infos, recorded, 'camera-info')
 
 
-def _find_mask(recorded: RecordedTopics, depth: str) -> str:
+def _find_mask(given: str, recorded: RecordedTopics, depth: str, transport: str) -> str:
+    """Return the topic of the masks: `given`, or the one that is found; '' for none."""
+    if given and given not in recorded.topics:
+        raise InputError(_no_mask(recorded, depth, given))
+    named = _named(given, _IMAGES, recorded, 'mask')
+    if named:
+        return named
+    found = _with_transport(_search_mask(recorded, depth), transport)
+    return _named(found, _IMAGES, recorded, 'mask')
+
+
+def _search_mask(recorded: RecordedTopics, depth: str) -> str:
     images = [name for name in _of_types(recorded, _IMAGES) if name != depth]
     if DEFAULT_TOPICS.mask in images:
         return DEFAULT_TOPICS.mask

@@ -124,6 +124,24 @@ def test_mask_that_is_named_is_used(
     assert '/other/mask' in read_messages(tmp_path / 'out.mcap').topics
 
 
+def test_masks_are_not_missed_if_they_are_not_used(
+    tmp_path: Path,
+    people: list[Frame],
+    small_model_file: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = tmp_path / 'azure.mcap'
+    with RecordingWriter(path) as writer:
+        for frame in people[:3]:
+            writer.write_frame(frame, AZURE._replace(mask=''))
+    words = ['replay', str(path), '-o', str(tmp_path / 'out.mcap'), '--camera', 'azure']
+    words += ['--model', str(small_model_file)]
+    assert main(words) == 2
+    told = capsys.readouterr().err
+    assert 'no topic /body_index_map/image_raw was recorded; find the people without' in told
+    assert main([*words, '--segmentation', 'nearest']) == 0
+
+
 def test_unknown_cameras_are_refused_with_the_list(
     azure_recording: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
