@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 # The tests of the method, which need neither ROS nor recordings.
-ARRAY_TESTS := test/data_types test/numerics test/pose test/segmentation test/tracking test/estimation \
+ARRAY_TESTS := test/data_types test/camera test/numerics test/pose test/segmentation test/tracking test/estimation \
 	test/training test/evaluation test/model_io
 
 # The oldest releases that setup.py allows, on a Python that numba 0.59 has wheels for. numba 0.58
