@@ -18,6 +18,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.numerics.jit import kernel
@@ -33,11 +34,20 @@ _CHECK_PERIOD = 15
 # sensor and a curtain that moves are not.
 _LEFT_MARGIN = 0.3
 
+# While the scene is learnt, a depth that differs from it by so much is motion, metres, if the area
+# is larger, square metres. People who stand show 0.01 to 0.2 within two seconds, empty rooms with
+# the noise of a sensor less than 0.001.
+_MOTION = 0.15
+_MOTION_AREA = 0.01
+
+# Farther depths are too noisy, metres.
+_FARTHEST_MOTION = 5.0
+
 _NOT_EMPTY = (
     'segmentation background: the scene was not empty while it was learnt: {}. Bodies are not '
     'found there; start again without people in view, or use segmentation nearest'
 )
-_MOVED = 'something of the size of a person moved through it'
+_MOVED = 'something moved in it, as people do'
 _LEFT = 'something of the size of a person has left it'
 
 
@@ -121,7 +131,7 @@ class Background:
     ) -> None:
         """Set the warning if the scene was not empty while it was learnt."""
         learnt_from, self._seen = self._seen, []
-        if any(self._shows_body_before(scene, image, camera) for image in learnt_from):
+        if any(_moved_area(image, scene, camera) > _MOTION_AREA for image in learnt_from):
             self.warning = _NOT_EMPTY.format(_MOVED)
             return
         self._images_since_check += 1
@@ -139,6 +149,25 @@ class Background:
         known = np.where(scene > 0, scene, np.float32(0))
         foreground = remove_scene(image, known, margin, *self._range)
         return len(body_sized(find_blobs(foreground, camera))) > 0
+
+
+def _moved_area(
+    image: NDArray[np.float32], scene: NDArray[np.float32], camera: Intrinsics
+) -> float:
+    """Return the area in which an image and the scene differ, square metres.
+
+    A pixel counts if all of its 3 x 3 neighbourhood differs, so that noise and edges do not.
+    """
+    nearer = np.minimum(image, scene)
+    known = (image > 0) & np.isfinite(scene) & (np.maximum(image, scene) < _FARTHEST_MOTION)
+    differs = known & (np.abs(image - np.where(known, scene, 0)) > _MOTION)
+    inner = np.ones_like(differs[1:-1, 1:-1])
+    height, width = inner.shape
+    for i in range(3):
+        for j in range(3):
+            inner &= differs[i : height + i, j : width + j]
+    area = image_rays(camera, *image.shape).area[2:-2, 2:-2]
+    return float((area * nearer[1:-1, 1:-1] ** 2)[inner].sum())
 
 
 @kernel
