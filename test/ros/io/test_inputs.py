@@ -389,7 +389,7 @@ def test_closing_ends_at_once_and_quietly(listen: Callable[..., Program], probe:
     program = listen()
     Senders(probe).wait_for_connections()
     begin = time.monotonic()
-    assert program.exit_status(signal.SIGTERM) == 0
+    assert program.exit_status(signal.SIGTERM) == 0, program.output
     assert time.monotonic() - begin < MOST_UNTIL_ENDED
     assert 'closed' in program.output
     assert 'Traceback' not in program.output
