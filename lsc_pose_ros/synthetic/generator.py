@@ -19,14 +19,17 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.synthetic.body.skin_parts import skin_parts
 from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson
 from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
 from lsc_pose_ros.synthetic.scene.mesh_render import RenderMesh, render_meshes
+from lsc_pose_ros.synthetic.scene.pixel_codes import pixel_codes, split_codes
 from lsc_pose_ros.synthetic.scene.placement import (
     CameraConstraints,
     ScenePlacement,
@@ -42,7 +45,14 @@ from lsc_pose_ros.synthetic.settings import (
     sensor_of,
 )
 
-__all__ = ['FRAME_ID', 'SyntheticSettings', 'camera_of', 'synthetic_frames']
+__all__ = [
+    'FRAME_ID',
+    'SyntheticScene',
+    'SyntheticSettings',
+    'camera_of',
+    'synthetic_frames',
+    'synthetic_scenes',
+]
 
 FRAME_ID = 'camera_depth_optical_frame'
 
@@ -54,6 +64,19 @@ _STILL_RATE = 30.0
 
 _PLACEMENT_TRIES = 10
 """How many motions are sampled before a placement counts as impossible."""
+
+
+class SyntheticScene(NamedTuple):
+    """A synthetic frame and more of its ground truth than a recording holds.
+
+    Attributes:
+        frame: the frame.
+        parts: the part of the body that a pixel shows, 1 + the joint's number, or NO_PART where
+            the label is NO_BODY; shape (H, W). See `skin_parts`.
+    """
+
+    frame: Frame
+    parts: NDArray[np.uint8]
 
 
 def synthetic_frames(settings: SyntheticSettings) -> Iterator[Frame]:
@@ -70,8 +93,20 @@ def synthetic_frames(settings: SyntheticSettings) -> Iterator[Frame]:
     Raises:
         InputError: the settings contradict each other.
     """
+    return (scene.frame for scene in synthetic_scenes(settings))
+
+
+def synthetic_scenes(settings: SyntheticSettings) -> Iterator[SyntheticScene]:
+    """Generate the frames of `synthetic_frames` with their body parts.
+
+    Args:
+        settings: what to generate.
+
+    Raises:
+        InputError: the settings contradict each other.
+    """
     check(settings)
-    return _frames(_ClipGenerator(settings))
+    return _scenes(_ClipGenerator(settings))
 
 
 class _SceneState(NamedTuple):
@@ -99,6 +134,7 @@ class _ClipGenerator:
         self._sensor = sensor_of(settings)
         self._camera = camera_of(settings)
         self._sampler = PersonSampler(settings)
+        self._parts = skin_parts(self._sampler.body)
         up, down = np.radians(settings.camera_tilt)
         self._constraints = CameraConstraints(
             self._camera,
@@ -110,8 +146,8 @@ class _ClipGenerator:
             settings.cropped,
         )
 
-    def clip(self, number: int) -> Iterator[Frame]:
-        """Generate all frames of one clip."""
+    def clip(self, number: int) -> Iterator[SyntheticScene]:
+        """Generate all scenes of one clip."""
         source = np.random.SeedSequence([self.settings.seed, number])
         random = _Generators(*(np.random.Generator(np.random.PCG64(s)) for s in source.spawn(3)))
         bodies = [self._sampler.sample_body(random.people) for _ in range(self.settings.people)]
@@ -145,26 +181,31 @@ class _ClipGenerator:
         room = sample_room(extents, placement, random.room) if self.settings.background else None
         return _SceneState(people, placement, room)
 
-    def _render(self, state: _SceneState, index: int, random: np.random.Generator) -> Frame:
+    def _render(
+        self, state: _SceneState, index: int, random: np.random.Generator
+    ) -> SyntheticScene:
         bodies = np.arange(1, len(state.people) + 1)
         posed = [
             self._sampler.pose_in_camera(person, index, state.placement, number)
             for number, person in enumerate(state.people)
         ]
         meshes = [
-            RenderMesh(body.vertices, self._sampler.body.triangles, int(number))
+            RenderMesh(
+                body.vertices, self._sampler.body.triangles, pixel_codes(int(number), self._parts)
+            )
             for number, body in zip(bodies, posed, strict=True)
         ]
         image = render_meshes(meshes, self._camera, self._sensor.width, self._sensor.height)
         if state.room is not None:
             render_room(image, state.room, state.placement.tilt, self._camera)
         image = _in_millimetres(apply_sensor(self._sensor.noise, image, self._camera, random))
+        labels, parts = split_codes(image.labels)
         joints = np.array([body.joints for body in posed])
-        return Frame(
+        frame = Frame(
             stamp=0,
             frame_id=FRAME_ID,
             depth=image.depth,
-            labels=image.labels,
+            labels=labels,
             camera=self._camera,
             ground_truth=Skeletons(
                 bodies.astype(np.uint16),
@@ -173,17 +214,17 @@ class _ClipGenerator:
                 np.ones(joints.shape[:2], np.float32),
             ),
         )
+        return SyntheticScene(frame, parts)
 
 
-def _frames(generator: _ClipGenerator) -> Iterator[Frame]:
+def _scenes(generator: _ClipGenerator) -> Iterator[SyntheticScene]:
     settings, length = generator.settings, generator.length
     for clip in range(-(-settings.frames // length)):
-        for number, frame in enumerate(generator.clip(clip), start=clip * length):
+        for number, scene in enumerate(generator.clip(clip), start=clip * length):
             if number >= settings.frames:
                 return
-            yield frame._replace(
-                stamp=_EPOCH + round(number * 1e9 / (settings.rate or _STILL_RATE))
-            )
+            stamp = _EPOCH + round(number * 1e9 / (settings.rate or _STILL_RATE))
+            yield scene._replace(frame=scene.frame._replace(stamp=stamp))
 
 
 def _in_millimetres(image: DepthImage) -> DepthImage:

@@ -42,17 +42,17 @@ _MAX_PIXEL = 1 << 20
 
 
 class RenderMesh(NamedTuple):
-    """One body's surface in front of the camera.
+    """A surface in front of the camera.
 
     Attributes:
         vertices: in the optical frame, metres, shape (V, 3).
         triangles: numbers of vertices, shape (T, 3); both sides are visible.
-        body: the body's number.
+        labels: one per triangle, shape (T,), or the same number for all of them.
     """
 
     vertices: NDArray[np.float64]
     triangles: NDArray[np.uint16]
-    body: int
+    labels: NDArray[np.int32] | int
 
 
 def render_meshes(
@@ -61,7 +61,7 @@ def render_meshes(
     """Render `meshes`; the nearest surface hides those behind it.
 
     Args:
-        meshes: the bodies.
+        meshes: the surfaces.
         camera: the intrinsics.
         width: of the image, pixels.
         height: of the image, pixels.
@@ -73,9 +73,8 @@ def render_meshes(
     labels = np.full((height, width), NO_BODY, np.int32)
     for mesh in meshes:
         corners = project_corners(mesh.vertices, camera)
-        draw_triangles(
-            mesh.triangles, corners, mesh.vertices, mesh.body, DepthImage(depth, labels)
-        )
+        own = np.full(len(mesh.triangles), mesh.labels, np.int32)
+        draw_triangles(mesh.triangles, corners, mesh.vertices, own, DepthImage(depth, labels))
     depth[np.isinf(depth)] = 0.0
     return DepthImage(depth, labels)
 
@@ -102,7 +101,7 @@ def draw_triangles(
     triangles: NDArray[np.uint16],
     corners: NDArray[np.int64],
     vertices: NDArray[np.float64],
-    body: int,
+    labels: NDArray[np.int32],
     image: DepthImage,
 ) -> None:
     """Draw triangles into `image`, whose depth is infinite in empty pixels."""
@@ -115,10 +114,10 @@ def draw_triangles(
         area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         if area > 0:
             depths = (vertices[a, 2], vertices[b, 2], vertices[c, 2])
-            draw_triangle((ax, ay, bx, by, cx, cy), depths, area, body, image)
+            draw_triangle((ax, ay, bx, by, cx, cy), depths, area, labels[triangle], image)
         elif area < 0:  # seen from behind
             depths = (vertices[a, 2], vertices[c, 2], vertices[b, 2])
-            draw_triangle((ax, ay, cx, cy, bx, by), depths, -area, body, image)
+            draw_triangle((ax, ay, cx, cy, bx, by), depths, -area, labels[triangle], image)
 
 
 @exact_kernel
@@ -126,7 +125,7 @@ def draw_triangle(
     corners: tuple[int, int, int, int, int, int],
     depths: tuple[float, float, float],
     area: int,
-    body: int,
+    label: int,
     image: DepthImage,
 ) -> None:
     """Draw one triangle into `image`.
@@ -137,7 +136,7 @@ def draw_triangle(
         corners: columns and rows of the corners in 1/SUBPIXELS.
         depths: z of the corners, metres.
         area: twice the triangle's area, which is positive.
-        body: the label.
+        label: the label.
         image: the image.
     """
     ax, ay, bx, by, cx, cy = corners
@@ -163,4 +162,4 @@ def draw_triangle(
             z = np.float32(1.0 / (of_a * inverse_a + of_b * inverse_b + of_c * inverse_c))
             if z < image.depth[row, column]:
                 image.depth[row, column] = z
-                image.labels[row, column] = body
+                image.labels[row, column] = label

@@ -68,7 +68,7 @@ def naive_render(meshes, camera, width, height):
                 z = np.where(inside, 1 / inverse, np.inf).astype(np.float32)
             nearer = z < depth
             depth[nearer] = z[nearer]
-            labels[nearer] = mesh.body
+            labels[nearer] = mesh.labels
     depth[labels == NO_BODY] = 0
     return depth, labels
 
