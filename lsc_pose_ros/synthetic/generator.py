@@ -15,27 +15,33 @@
 
 """Generates synthetic frames: people in front of a depth camera, with exact masks and joints."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.synthetic.body.skin_parts import skin_parts
 from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson
+from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
+from lsc_pose_ros.synthetic.scene.framing import Margins, clear_margins, sample_framing
+from lsc_pose_ros.synthetic.scene.furnishing import furnish
 from lsc_pose_ros.synthetic.scene.mesh_render import RenderMesh, render_meshes
+from lsc_pose_ros.synthetic.scene.near_plane import cut_at_near_plane
 from lsc_pose_ros.synthetic.scene.pixel_codes import pixel_codes, split_codes
 from lsc_pose_ros.synthetic.scene.placement import (
     CameraConstraints,
+    PersonExtent,
     ScenePlacement,
     sample_placement,
 )
 from lsc_pose_ros.synthetic.scene.room import Room, render_room, sample_room
+from lsc_pose_ros.synthetic.scene.shapes import join
 from lsc_pose_ros.synthetic.sensors.sensors import apply_sensor
 from lsc_pose_ros.synthetic.settings import (
     SyntheticSettings,
@@ -61,6 +67,9 @@ _EPOCH = 1_700_000_000_000_000_000
 
 _STILL_RATE = 30.0
 """Rate of the stamps if the frames are independent of each other, Hz."""
+
+_FURNISHING_NUMBERS = 8192
+"""Random numbers for the furniture of a room; more than a room needs."""
 
 _PLACEMENT_TRIES = 10
 """How many motions are sampled before a placement counts as impossible."""
@@ -115,6 +124,8 @@ class _SceneState(NamedTuple):
     people: list[SyntheticPerson]
     placement: ScenePlacement
     room: Room | None
+    furniture: tuple[RenderMesh, ...] = ()
+    margins: Margins = Margins()
 
 
 class _Generators(NamedTuple):
@@ -159,27 +170,58 @@ class _ClipGenerator:
                 [person.single_frame(frame) for person in people] for frame in range(self.length)
             ]
         for group in groups:
-            state = self._place(group, random)
+            place = self._furnish if self.settings.furniture else self._place
+            state = place(group, random)
             for frame in range(self.length // len(groups)):
                 yield self._render(state, frame, random.sensor)
 
     def _place(self, people: list[SyntheticPerson], random: _Generators) -> _SceneState:
-        """Sample a placement; if none is possible, sample other motions of the same bodies."""
-        count = len(people[0].pelvis_heights)
-        for left in reversed(range(_PLACEMENT_TRIES)):
+        """Sample a placement and, if the settings want one, a room that hides nobody."""
+        people, placement = self._placement(
+            people, self._constraints, lambda person: person.extent, random
+        )
+        room = None
+        if self.settings.background:
             extents = [person.extent for person in people]
+            room = sample_room(extents, placement, random.room)
+        return _SceneState(people, placement, room)
+
+    def _furnish(self, people: list[SyntheticPerson], random: _Generators) -> _SceneState:
+        """Sample a placement in a furnished room."""
+        stream = RandomStream(random.room, _FURNISHING_NUMBERS)
+        framing = sample_framing(self._constraints, stream)
+        people, placement = self._placement(people, framing.constraints, framing.extent, random)
+        occupants = [
+            self._sampler.occupant(person, placement, number)
+            for number, person in enumerate(people)
+        ]
+        view = float(np.arctan(0.5 * self._sensor.width / self._camera.fx))
+        furnishing = furnish(occupants, placement.camera_height, view, stream)
+        mesh = join([piece.mesh for piece in furnishing.pieces])
+        seen = cut_at_near_plane(mesh._replace(vertices=mesh.vertices @ placement.tilt.T))
+        drawn = RenderMesh(seen.vertices, seen.triangles.astype(np.uint16), NO_BODY)
+        return _SceneState(people, placement, furnishing.walls, (drawn,), framing.margins)
+
+    def _placement(
+        self,
+        people: list[SyntheticPerson],
+        constraints: CameraConstraints,
+        extent_of: Callable[[SyntheticPerson], PersonExtent],
+        random: _Generators,
+    ) -> tuple[list[SyntheticPerson], ScenePlacement]:
+        """Sample a placement; if none is possible, sample other motions of the same bodies."""
+        for left in reversed(range(_PLACEMENT_TRIES)):
+            extents = [extent_of(person) for person in people]
             try:
-                placement = sample_placement(extents, self._constraints, random.people)
+                return people, sample_placement(extents, constraints, random.people)
             except InputError:
                 if not left:
                     raise
+                count = len(people[0].pelvis_heights)
                 people = [
                     self._sampler.sample_person(each.rest, count, random.people) for each in people
                 ]
-                continue
-            break
-        room = sample_room(extents, placement, random.room) if self.settings.background else None
-        return _SceneState(people, placement, room)
+        raise AssertionError  # the last try returns or raises
 
     def _render(
         self, state: _SceneState, index: int, random: np.random.Generator
@@ -195,12 +237,15 @@ class _ClipGenerator:
             )
             for number, body in zip(bodies, posed, strict=True)
         ]
-        image = render_meshes(meshes, self._camera, self._sensor.width, self._sensor.height)
+        image = render_meshes(
+            [*meshes, *state.furniture], self._camera, self._sensor.width, self._sensor.height
+        )
         if state.room is not None:
             render_room(image, state.room, state.placement.tilt, self._camera)
         image = _in_millimetres(apply_sensor(self._sensor.noise, image, self._camera, random))
+        clear_margins(image, state.margins)
         labels, parts = split_codes(image.labels)
-        joints = np.array([body.joints for body in posed])
+        joints = np.array([body.joints for body in posed]).reshape(-1, len(JOINT_NAMES), 3)
         frame = Frame(
             stamp=0,
             frame_id=FRAME_ID,

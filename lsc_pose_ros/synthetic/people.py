@@ -27,6 +27,7 @@ from lsc_pose_ros.synthetic.body.clothes import clothes_regions, dress
 from lsc_pose_ros.synthetic.body.population import BodySampler, Population
 from lsc_pose_ros.synthetic.mocap.mocap import Mocap, load_mocap
 from lsc_pose_ros.synthetic.motion.motion import Motion, sample_motion
+from lsc_pose_ros.synthetic.scene.occupant import Occupant, regions_of
 from lsc_pose_ros.synthetic.scene.placement import PersonExtent, ScenePlacement
 from lsc_pose_ros.synthetic.settings import SyntheticSettings
 
@@ -34,6 +35,12 @@ from lsc_pose_ros.synthetic.settings import SyntheticSettings
 _DIRECTIONS = np.array(
     [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1) if x or y or z]
 )
+
+
+_SPREAD = 0.04  # edge of the cubes of `spread_vertices`, metres
+
+SEATED_FRACTION = 0.25
+"""Fraction of people on a seat, in furnished rooms."""
 
 
 class SyntheticPerson(NamedTuple):
@@ -46,12 +53,16 @@ class SyntheticPerson(NamedTuple):
             camera.
         pelvis_heights: height of the pelvis above the floor, metres, shape (T,).
         extent: the outermost points, relative to the floor below the pelvis.
+        joints: the joints, in the same frame, metres, shape (T, 20, 3).
+        seated: whether the person sits on a seat, shape (T,).
     """
 
     rest: RestBody
     rotations: NDArray[np.float64]
     pelvis_heights: NDArray[np.float64]
     extent: PersonExtent
+    joints: NDArray[np.float64]
+    seated: NDArray[np.bool_]
 
     def single_frame(self, frame: int) -> 'SyntheticPerson':
         """Return the person with one frame only."""
@@ -61,6 +72,8 @@ class SyntheticPerson(NamedTuple):
             self.rotations[one],
             self.pelvis_heights[one],
             PersonExtent(self.extent.points[one], self.extent.trunk[one]),
+            self.joints[one],
+            self.seated[one],
         )
 
 
@@ -84,8 +97,15 @@ class PersonSampler:
             skin_bones=self.body.skin_bones[self._hull],
             skin_weights=self.body.skin_weights[self._hull],
         )
+        self._spread = spread_vertices(self.body)
+        self._spread_body = self.body._replace(
+            skin_bones=self.body.skin_bones[self._spread],
+            skin_weights=self.body.skin_weights[self._spread],
+        )
+        self._spread_regions = regions_of(self._spread_body)
         self._mocap = _selected_mocap(settings)
         self._mocap_fraction = settings.mocap_fraction
+        self._seated_fraction = SEATED_FRACTION if settings.furniture else None
 
     def sample_body(self, random: np.random.Generator) -> RestBody:
         """Sample a dressed body in the rest pose.
@@ -105,8 +125,11 @@ class PersonSampler:
             InputError: a motion capture file cannot be used.
         """
         captured = random.random() < self._mocap_fraction
-        sample = self._mocap.sample if captured and self._mocap else sample_motion
-        motion = sample(self.body, rest, count, self._rate, self._yaw, random)
+        given = (self.body, rest, count, self._rate, self._yaw, random)
+        if captured and self._mocap:
+            motion = self._mocap.sample(*given)
+        else:
+            motion = sample_motion(*given, seated_fraction=self._seated_fraction)
         return self.stand_on_floor(rest, motion)
 
     def stand_on_floor(self, rest: RestBody, motion: Motion) -> SyntheticPerson:
@@ -118,9 +141,34 @@ class PersonSampler:
         points = np.array([each.vertices for each in posed])
         pelvis_heights = points[:, :, 1].max(axis=1)
         points[..., 1] -= pelvis_heights[:, None]
-        trunk = np.array([each.joints[JOINT_NUMBERS['torso']] for each in posed])
-        trunk[:, 1] -= pelvis_heights
-        return SyntheticPerson(rest, rotations, pelvis_heights, PersonExtent(points, trunk))
+        joints = np.array([each.joints for each in posed])
+        joints[..., 1] -= pelvis_heights[:, None]
+        extent = PersonExtent(points, joints[:, JOINT_NUMBERS['torso']])
+        seated = np.zeros(len(rotations), bool) if motion.seated is None else motion.seated
+        return SyntheticPerson(rest, rotations, pelvis_heights, extent, joints, seated)
+
+    def occupant(
+        self, person: SyntheticPerson, placement: ScenePlacement, number: int
+    ) -> Occupant:
+        """Return the space that a person takes up in all frames.
+
+        Args:
+            person: the person.
+            placement: the positions of camera and people.
+            number: the number of the person's position in `placement`.
+        """
+        spread, body = self._spread, self._spread_body
+        rest = person.rest._replace(vertices=person.rest.vertices[spread])
+        position = placement.positions[number]
+        points = np.array(
+            [
+                pose_body(body, rest, each, position - np.array([0.0, height, 0.0])).vertices
+                for each, height in zip(person.rotations, person.pelvis_heights, strict=True)
+            ]
+        )
+        return Occupant(
+            points, self._spread_regions, person.joints + position, bool(person.seated.all())
+        )
 
     def pose_in_camera(
         self, person: SyntheticPerson, frame: int, placement: ScenePlacement, number: int
@@ -138,6 +186,14 @@ class PersonSampler:
         height = np.array([0.0, person.pelvis_heights[frame], 0.0])
         position = placement.tilt @ (placement.positions[number] - height)
         return pose_body(self.body, person.rest, rotations, position)
+
+
+def spread_vertices(body: BodyModel) -> NDArray[np.int64]:
+    """Return the numbers of vertices that are evenly spread over the skin, one per small cube."""
+    vertices = body.mean[: len(body.skin_bones)].astype(np.float64)
+    cubes = np.floor(vertices / _SPREAD).astype(np.int64)
+    chosen: NDArray[np.int64] = np.unique(cubes, axis=0, return_index=True)[1]
+    return np.sort(chosen)
 
 
 def hull_vertices(body: BodyModel) -> NDArray[np.int64]:

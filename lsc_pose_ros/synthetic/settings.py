@@ -60,7 +60,9 @@ class SyntheticSettings(NamedTuple):
             video.
         rate: frames per second of smooth motion; None generates independent frames.
         cropped: whether the image edge can cut people off.
-        background: whether people are in a furnished room.
+        background: whether people are in a room; its furniture does not hide them.
+        furniture: whether people are in a room with much furniture, which can hide any part of
+            them; a quarter of them sit on some of it.
         mocap: a folder of motion capture files (BVH) to sample poses or motion from.
         mocap_mapping: mapping file for their joints; None is the one for CMU.
         mocap_fraction: fraction of people who move as in `mocap`.
@@ -86,6 +88,7 @@ class SyntheticSettings(NamedTuple):
     rate: float | None = None
     cropped: bool = False
     background: bool = False
+    furniture: bool = False
     mocap: Path | None = None
     mocap_mapping: Path | None = None
     mocap_fraction: float = 0.5
@@ -194,10 +197,11 @@ def _camera_conditions(settings: SyntheticSettings) -> tuple[_Condition, ...]:
 def _people_conditions(settings: SyntheticSettings) -> tuple[_Condition, ...]:
     small, tall = settings.stature
     young, old = settings.age
+    fewest = 0 if settings.furniture else 1
     return (
         (
-            1 <= settings.people <= MAX_PEOPLE,
-            f'people is {settings.people}; give 1 to {MAX_PEOPLE}',
+            fewest <= settings.people <= MAX_PEOPLE,
+            f'people is {settings.people}; give {fewest} to {MAX_PEOPLE}',
         ),
         (
             0.8 <= small <= tall <= 2.2,

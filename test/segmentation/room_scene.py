@@ -129,7 +129,7 @@ def look(
     depth = empty_room(room, camera, width, height)
     labels = np.full(depth.shape, NO_BODY, np.int32)
     offsets = np.array([(each.x, room.camera_height, each.z) for each in people])
-    stage = ScenePlacement(room.to_camera, offsets)
+    stage = ScenePlacement(room.to_camera, offsets, room.camera_height)
     drawn = [
         everybody().pose_in_camera(somebody(each.seed), 0, stage, number)
         for number, each in enumerate(people)

@@ -150,7 +150,13 @@ def _add_positions(parser: argparse._ArgumentGroup) -> None:
     parser.add_argument(
         '--background',
         action='store_true',
-        help='add a room with furniture around the people',
+        help='add a room with furniture around the people, which does not hide them',
+    )
+    parser.add_argument(
+        '--furniture',
+        action='store_true',
+        help='add a room full of furniture, which hides parts of the people; a quarter of them '
+        'sit, and some are cut off by the edge of the image; --people can be 0',
     )
 
 

@@ -93,11 +93,19 @@ def sample_arms(collision_body: CollisionBody, lower_body: BodyPose, stream: Ran
         _sample_one(collision_body, angles, side, stream.choose(_ONE_ARM_GESTURES[kind]), stream)
 
 
-_BOTH_ARMS_PROBABILITY = {'stand': 0.32, 'stoop': 0.15, 'sit': 0.25, 'walk': 0.1}
+_BOTH_ARMS_PROBABILITY = {
+    'stand': 0.32,
+    'stoop': 0.15,
+    'sit': 0.25,
+    'sit_on_floor': 0.25,
+    'walk': 0.1,
+}
+_SITTING = ((0.4, 'rest'), (0.15, 'habit'), (0.25, 'reach'), (0.15, 'touch'), (0.05, 'any'))
 _ONE_ARM_GESTURES: dict[str, tuple[tuple[float, str], ...]] = {
     'stand': ((0.3, 'hang'), (0.2, 'habit'), (0.25, 'reach'), (0.15, 'touch'), (0.1, 'any')),
     'stoop': ((0.6, 'down'), (0.1, 'hang'), (0.1, 'reach'), (0.15, 'touch'), (0.05, 'any')),
-    'sit': ((0.4, 'rest'), (0.15, 'habit'), (0.25, 'reach'), (0.15, 'touch'), (0.05, 'any')),
+    'sit': _SITTING,
+    'sit_on_floor': _SITTING,
     'walk': ((0.75, 'keep'), (0.08, 'habit'), (0.1, 'reach'), (0.07, 'touch')),
 }
 
@@ -133,7 +141,7 @@ def _sample_both(
         move_hand_pair(collision_body.rig, angles, stream.choose(HAND_PAIRS), stream)
         return
     posture = stream.choose(_BOTH_POSTURES)
-    target = stream.choose(SITTING_TOUCH_TARGETS if kind == 'sit' else TOUCH_TARGETS)
+    target = stream.choose(SITTING_TOUCH_TARGETS if kind.startswith('sit') else TOUCH_TARGETS)
     for side in (0, 1):
         sample_posture(angles, _PREFIXES[side], ARM_ANGLES, posture, stream)
     if stream.bernoulli(0.5):  # nearly symmetric

@@ -89,7 +89,8 @@ class BodyPose(NamedTuple):
     """A pose and its kind.
 
     Attributes:
-        kind: 'stand', 'stoop', 'sit' or 'walk'; decides which arm gestures are likely.
+        kind: 'stand', 'stoop', 'sit' (on a seat), 'sit_on_floor' or 'walk'; decides which arm
+            gestures are likely.
         angles: in the order of ANGLES, radians, shape (A,); not always within limits.
     """
 
@@ -97,17 +98,20 @@ class BodyPose(NamedTuple):
     angles: _Angles
 
 
-def sample_lower_body(rig: Rig, stream: RandomStream) -> BodyPose:
+def sample_lower_body(
+    rig: Rig, stream: RandomStream, kinds: 'LowerBodyKinds | None' = None
+) -> BodyPose:
     """Sample the pose of trunk and legs; the arms hang, or swing in a walking person.
 
     Args:
         rig: the person's rig.
         stream: the source of randomness.
+        kinds: the kinds of poses; None samples all of them, mostly standing.
     """
     angles = np.zeros(len(ANGLES))
     let_arms_hang(angles)
     sample_posture(angles, '', TRUNK_ANGLES, stream.choose(_TRUNK_POSTURES), stream)
-    kind, sample_kind = stream.choose(_LOWER_BODY_KINDS)
+    kind, sample_kind = stream.choose(kinds or _LOWER_BODY_KINDS)
     sample_kind(rig, angles, stream)
     return BodyPose(kind, angles)
 
@@ -277,12 +281,26 @@ def _kneel(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
 
 _Sampler = Callable[[Rig, _Angles, RandomStream], None]
 
-_LOWER_BODY_KINDS: tuple[tuple[float, tuple[str, _Sampler]], ...] = (
+LowerBodyKinds = tuple[tuple[float, tuple[str, _Sampler]], ...]
+"""Kinds of poses, each with its frequency."""
+
+_LOWER_BODY_KINDS: LowerBodyKinds = (
     (0.40, ('stand', _stand_at_ease)), (0.09, ('stand', _stand_apart)),
     (0.08, ('stand', _stand_in_stride)), (0.06, ('stand', _lunge)), (0.07, ('stand', _squat)),
     (0.06, ('stoop', _stoop)), (0.07, ('stand', _stand_on_one_leg)), (0.07, ('walk', _walk)),
-    (0.07, ('sit', _sit)), (0.012, ('sit', _sit_on_floor)), (0.018, ('stand', _kneel)),
+    (0.07, ('sit', _sit)), (0.012, ('sit_on_floor', _sit_on_floor)), (0.018, ('stand', _kneel)),
 )  # fmt: skip
+
+AFOOT_KINDS: LowerBodyKinds = (
+    (0.34, ('stand', _stand_at_ease)), (0.07, ('stand', _stand_apart)),
+    (0.09, ('stand', _stand_in_stride)), (0.04, ('stand', _lunge)), (0.1, ('stand', _squat)),
+    (0.13, ('stoop', _stoop)), (0.04, ('stand', _stand_on_one_leg)), (0.1, ('walk', _walk)),
+    (0.03, ('sit_on_floor', _sit_on_floor)), (0.06, ('stand', _kneel)),
+)  # fmt: skip
+"""Poses of people in furnished rooms who do not sit on a seat: more of them are bent."""
+
+SEATED_KINDS: LowerBodyKinds = ((1.0, ('sit', _sit)),)
+"""Poses of people who sit on a seat."""
 
 
 def _foot(

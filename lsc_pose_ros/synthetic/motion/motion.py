@@ -39,7 +39,12 @@ from lsc_pose_ros.synthetic.motion.joint_angles import (
     arms_to_polar,
     within_limits,
 )
-from lsc_pose_ros.synthetic.motion.lower_body_poses import BodyPose
+from lsc_pose_ros.synthetic.motion.lower_body_poses import (
+    AFOOT_KINDS,
+    SEATED_KINDS,
+    BodyPose,
+    LowerBodyKinds,
+)
 from lsc_pose_ros.synthetic.motion.whole_body_poses import (
     pose_penetration,
     sample_gesture,
@@ -69,10 +74,12 @@ class Motion(NamedTuple):
             (T, B, 3, 3). The root's rotation includes no yaw: the person roughly faces +z.
         yaw: the direction that the person faces, radians, 0 towards the camera, positive to the
             person's left, shape (T,).
+        seated: whether the person sits on a seat, shape (T,); None if that is unknown.
     """
 
     rotations: NDArray[np.float64]
     yaw: NDArray[np.float64]
+    seated: NDArray[np.bool_] | None = None
 
 
 def sample_motion(
@@ -82,6 +89,8 @@ def sample_motion(
     rate: float | None,
     widest_yaw: float,
     random: np.random.Generator,
+    *,
+    seated_fraction: float | None = None,
 ) -> Motion:
     """Sample a person's motion in `count` frames.
 
@@ -92,18 +101,32 @@ def sample_motion(
         rate: frames per second; None samples independent poses.
         widest_yaw: largest absolute yaw, radians.
         random: the source of randomness.
+        seated_fraction: the fraction of poses or, with a rate, of people on a seat, who stay on
+            it; None samples the usual poses, in which nobody stays on a seat.
 
     Returns:
         The motion; with a rate its velocity is continuous.
     """
     collision_body = fit_collision_body(body, rest)
     if rate is None:
-        poses = [_sample_any_pose(collision_body, random) for _ in range(count)]
+        kinds = [_sample_kinds(seated_fraction, random) for _ in range(count)]
+        poses = [_sample_any_pose(collision_body, random, each) for each in kinds]
         angles = np.array([pose.angles for pose in poses])
         yaw = widest_yaw * (2 * random.random(count) - 1)
+        seated = np.array([pose.kind == 'sit' for pose in poses])
     else:
-        angles, yaw = _sample_smooth(collision_body, np.arange(count) / rate, widest_yaw, random)
-    return Motion(pose_rotations(collision_body.rig, angles), yaw)
+        keys = _KeyPoses(collision_body, random, _sample_kinds(seated_fraction, random))
+        angles, yaw = _sample_smooth(keys, np.arange(count) / rate, widest_yaw, random)
+        seated = np.full(count, keys.seated)
+    return Motion(pose_rotations(collision_body.rig, angles), yaw, seated)
+
+
+def _sample_kinds(
+    seated_fraction: float | None, random: np.random.Generator
+) -> LowerBodyKinds | None:
+    if seated_fraction is None:
+        return None
+    return SEATED_KINDS if random.random() < seated_fraction else AFOOT_KINDS
 
 
 def interpolate_keys(
@@ -136,13 +159,12 @@ def interpolate_keys(
 
 
 def _sample_smooth(
-    collision_body: CollisionBody,
+    keys: '_KeyPoses',
     times: NDArray[np.float64],
     widest_yaw: float,
     random: np.random.Generator,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return angles, shape (T, A), and yaw, (T,), at `times`, shape (T,)."""
-    keys = _KeyPoses(collision_body, random)
     while len(keys.times) < 2 or keys.times[-1] < times[-1]:
         keys.extend()
     key_times = np.array(keys.times)
@@ -165,10 +187,12 @@ def _key_yaws(
     return np.array(yaws)
 
 
-def _sample_any_pose(collision_body: CollisionBody, random: np.random.Generator) -> BodyPose:
+def _sample_any_pose(
+    collision_body: CollisionBody, random: np.random.Generator, kinds: LowerBodyKinds | None
+) -> BodyPose:
     """Sample a pose that is independent of the previous one."""
     return _sample_clear_pose(
-        collision_body, None, lambda stream: sample_pose(collision_body, stream), random
+        collision_body, None, lambda stream: sample_pose(collision_body, stream, kinds), random
     )
 
 
@@ -211,20 +235,28 @@ def _path_penetration(
 
 
 class _KeyPoses:
-    """A sequence of key poses with their times."""
+    """A sequence of key poses with their times; people on a seat stay on it."""
 
-    def __init__(self, collision_body: CollisionBody, random: np.random.Generator) -> None:
+    def __init__(
+        self,
+        collision_body: CollisionBody,
+        random: np.random.Generator,
+        kinds: LowerBodyKinds | None,
+    ) -> None:
         self._collision_body = collision_body
         self._random = random
+        self._kinds = kinds
+        self.seated = kinds is SEATED_KINDS
         self.times = [0.0]
-        self.poses = [_sample_any_pose(collision_body, random)]
+        self.poses = [_sample_any_pose(collision_body, random, kinds)]
 
     def extend(self) -> None:
         """Append the key poses of a random action."""
         stream = RandomStream(self._random)
-        stream.choose(
-            ((0.4, self._gesture), (0.2, self._repeat), (0.28, self._move), (0.12, self._walk))
-        )(stream)
+        actions = (
+            (0.4, self._gesture), (0.2, self._repeat), (0.28, self._move), (0.12, self._walk),
+        )  # fmt: skip
+        stream.choose(actions[:2] if self.seated else actions)(stream)
 
     def _add(self, pose: BodyPose, seconds: float) -> None:
         change = np.abs(
@@ -244,11 +276,14 @@ class _KeyPoses:
     def _sample_gesture(self, collision_body: CollisionBody, stream: RandomStream) -> BodyPose:
         return sample_gesture(collision_body, self.poses[-1], stream)
 
+    def _sample_pose(self, collision_body: CollisionBody, stream: RandomStream) -> BodyPose:
+        return sample_pose(collision_body, stream, self._kinds)
+
     def _gesture(self, stream: RandomStream) -> None:
         self._add(self._next(self._sample_gesture), stream.between(*KEY_SECONDS))
 
     def _move(self, stream: RandomStream) -> None:
-        self._add(self._next(sample_pose), stream.between(*KEY_SECONDS))
+        self._add(self._next(self._sample_pose), stream.between(*KEY_SECONDS))
 
     def _repeat(self, stream: RandomStream) -> None:
         """Alternate between this and another gesture a few times, as in waving or clapping."""

@@ -26,6 +26,7 @@ from lsc_pose_ros.synthetic.motion.arm_gestures import sample_arms
 from lsc_pose_ros.synthetic.motion.joint_angles import ANGLE_NUMBERS, ARMS, mirrored, within_limits
 from lsc_pose_ros.synthetic.motion.lower_body_poses import (
     BodyPose,
+    LowerBodyKinds,
     let_arms_hang,
     sample_lower_body,
 )
@@ -34,7 +35,9 @@ from lsc_pose_ros.synthetic.sampling import RandomStream
 _TRIES = 3  # for the arms of one stance
 
 
-def sample_pose(collision_body: CollisionBody, stream: RandomStream) -> BodyPose:
+def sample_pose(
+    collision_body: CollisionBody, stream: RandomStream, kinds: LowerBodyKinds | None = None
+) -> BodyPose:
     """Sample a pose within the limits of the joints.
 
     In a few poses limbs still penetrate the body; see `deepest_penetration`.
@@ -42,9 +45,11 @@ def sample_pose(collision_body: CollisionBody, stream: RandomStream) -> BodyPose
     Args:
         collision_body: the person's rig and capsules.
         stream: the source of randomness.
+        kinds: the kinds of poses of the lower body; None samples all of them.
     """
     is_mirrored = stream.bernoulli(0.5)
-    pose = _with_arms(collision_body, sample_lower_body(collision_body.rig, stream), stream)
+    lower_body = sample_lower_body(collision_body.rig, stream, kinds)
+    pose = _with_arms(collision_body, lower_body, stream)
     return pose._replace(angles=mirrored(pose.angles)) if is_mirrored else pose
 
 

@@ -30,9 +30,11 @@ IMAGE_MARGIN = 3.0
 PEOPLE_GAP = 0.05
 """Minimum distance between two people, metres."""
 
+MIN_BEARING_DIFFERENCE = float(np.radians(9.0))
+"""Minimum difference between the bearings of two people, so that nobody is completely hidden."""
+
 _TRIES = 200  # heights and tilts of the camera that are tried
 _POSITIONS = 8  # positions that are tried per person and try
-_MIN_BEARING_DIFFERENCE = np.radians(9.0)  # of two people, so that nobody is completely hidden
 
 # Horizontal directions of the planes that separate people.
 _ANGLES = np.arange(16) * (np.pi / 8)
@@ -61,10 +63,12 @@ class ScenePlacement(NamedTuple):
         tilt: rotation from the level frame to the camera's frame, shape (3, 3).
         positions: each person's origin in the level frame at the camera, metres, shape (N, 3); y
             is the camera's height above the floor.
+        camera_height: above the floor, metres.
     """
 
     tilt: NDArray[np.float64]
     positions: NDArray[np.float64]
+    camera_height: float
 
 
 class CameraConstraints(NamedTuple):
@@ -78,6 +82,8 @@ class CameraConstraints(NamedTuple):
         camera_height: smallest and largest height above the floor, metres.
         tilt: smallest and largest downward tilt, radians; negative is upward.
         cropped: whether only the trunk has to be in view.
+        bearing_difference: smallest difference between the bearings of two people, radians.
+        people_gap: smallest distance between two people, metres.
     """
 
     camera: Intrinsics
@@ -87,6 +93,8 @@ class CameraConstraints(NamedTuple):
     camera_height: tuple[float, float]
     tilt: tuple[float, float]
     cropped: bool
+    bearing_difference: float = MIN_BEARING_DIFFERENCE
+    people_gap: float = PEOPLE_GAP
 
 
 def sample_placement(
@@ -138,12 +146,12 @@ def _try_placement(
             distance = _interpolate((near, far), away)
             left, right = frustum.sideways(height, distance)
             position = np.array([_interpolate((left, right), sideways), height, distance])
-            if left <= right and _is_free(extents, positions, position):
+            if left <= right and _is_free(extents, positions, position, constraints):
                 positions.append(position)
                 break
         else:
             return None
-    return ScenePlacement(tilt, np.array(positions))
+    return ScenePlacement(tilt, np.array(positions).reshape(-1, 3), height)
 
 
 def _interpolate(ends: tuple[float, float], fraction: float) -> float:
@@ -215,6 +223,7 @@ def _is_free(
     extents: list[NDArray[np.float64]],
     positions: list[NDArray[np.float64]],
     position: NDArray[np.float64],
+    constraints: CameraConstraints,
 ) -> bool:
     """Return whether the next person, at `position`, is apart from all previous people.
 
@@ -224,9 +233,9 @@ def _is_free(
     own = extents[len(positions)][:, opposite]
     for extent, other in zip(extents, positions, strict=False):
         bearings = np.arctan2([other[0], position[0]], [other[2], position[2]])
-        if abs(bearings[0] - bearings[1]) < _MIN_BEARING_DIFFERENCE:
+        if abs(bearings[0] - bearings[1]) < constraints.bearing_difference:
             return False
         distances = _DIRECTIONS @ (position - other)[[0, 2]] - extent - own
-        if (distances.max(axis=1) < PEOPLE_GAP).any():
+        if (distances.max(axis=1) < constraints.people_gap).any():
             return False
     return True

@@ -38,6 +38,8 @@ MAX_BOXES = 8
 _CLEARANCE = 0.15  # minimum distance between people and other things, metres
 _CEILING = (2.3, 3.2)  # range of its height, metres
 _WALL_DISTANCE = (0.2, 3.0)  # range of the distance of walls from people and camera, metres
+_CLOSE_WALL = (0.01, 0.3)  # range of the distance of close walls, metres
+_CLOSE_FRACTION = 0.4  # fraction of walls that are close in a furnished room
 _MIN_SIZE = np.array([0.25, 0.3, 0.25])  # of furniture: width, height, depth, metres
 _MAX_SIZE = np.array([1.6, 2.0, 1.0])
 _MIN_CAMERA_DISTANCE = 0.6  # from the surface of furniture to the camera, metres
@@ -74,6 +76,24 @@ def sample_room(
             boxes.append((centre, half, angle))
     centres, halves, angles = (np.array(field) for field in zip(*boxes, strict=True))
     return Room(centres, halves, np.stack([np.cos(angles), np.sin(angles)], axis=1))
+
+
+def sample_close_walls(
+    points: NDArray[np.float64], floor: float, uniforms: NDArray[np.float64]
+) -> Room:
+    """Sample an empty room whose walls are often close to people or camera.
+
+    Args:
+        points: of the people, metres, shape (P, 3).
+        floor: y of the floor, metres.
+        uniforms: random numbers, shape (10,).
+    """
+    angle = (uniforms[0] - 0.5) * np.pi / 2
+    near = uniforms[1:5] < _CLOSE_FRACTION
+    close = _CLOSE_WALL[0] + (_CLOSE_WALL[1] - _CLOSE_WALL[0]) * uniforms[5:9]
+    far = _CLOSE_WALL[1] + (_WALL_DISTANCE[1] - _CLOSE_WALL[1]) * uniforms[5:9]
+    centre, half, _ = _walls_around(points, floor, angle, np.where(near, close, far), uniforms[9])
+    return Room(centre[None], half[None], np.array([[np.cos(angle), np.sin(angle)]]))
 
 
 def render_room(
@@ -168,13 +188,24 @@ def _sample_walls(
 ) -> _Box:
     """Return a room that contains `points` and the camera at the origin."""
     angle = (uniforms[0] - 0.5) * np.pi / 2
+    distances = _WALL_DISTANCE[0] + (_WALL_DISTANCE[1] - _WALL_DISTANCE[0]) * uniforms[1:5]
+    return _walls_around(points, floor, angle, distances, uniforms[5])
+
+
+def _walls_around(
+    points: NDArray[np.float64],
+    floor: float,
+    angle: float,
+    distances: NDArray[np.float64],
+    ceiling_fraction: float,
+) -> _Box:
+    """Return a room with walls at `distances`, shape (4,), from `points` and the camera."""
     rotation = _vertical_rotation(angle)
     inside = np.concatenate([points, np.zeros((1, 3))]) @ rotation.T
-    distances = _WALL_DISTANCE[0] + (_WALL_DISTANCE[1] - _WALL_DISTANCE[0]) * uniforms[1:5]
     low, high = inside.min(axis=0), inside.max(axis=0)
     low[[0, 2]] -= distances[:2]
     high[[0, 2]] += distances[2:]
-    ceiling = floor - (_CEILING[0] + (_CEILING[1] - _CEILING[0]) * uniforms[5])
+    ceiling = floor - (_CEILING[0] + (_CEILING[1] - _CEILING[0]) * ceiling_fraction)
     low[1], high[1] = min(ceiling, low[1] - _CLEARANCE), floor
     return rotation.T @ (0.5 * (low + high)), 0.5 * (high - low), angle
 
