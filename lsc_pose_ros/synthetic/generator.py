@@ -25,13 +25,15 @@ from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.synthetic.body.body_mesh import PosedBody
 from lsc_pose_ros.synthetic.body.skin_parts import skin_parts
 from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson
 from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
 from lsc_pose_ros.synthetic.scene.framing import Margins, clear_margins, sample_framing
 from lsc_pose_ros.synthetic.scene.furnishing import furnish
-from lsc_pose_ros.synthetic.scene.mesh_render import RenderMesh, render_meshes
+from lsc_pose_ros.synthetic.scene.joint_visibility import joint_visibility
+from lsc_pose_ros.synthetic.scene.mesh_render import RenderMesh, draw_over, render_meshes
 from lsc_pose_ros.synthetic.scene.near_plane import cut_at_near_plane
 from lsc_pose_ros.synthetic.scene.pixel_codes import pixel_codes, split_codes
 from lsc_pose_ros.synthetic.scene.placement import (
@@ -71,6 +73,9 @@ _STILL_RATE = 30.0
 _FURNISHING_NUMBERS = 8192
 """Random numbers for the furniture of a room; more than a room needs."""
 
+_JOINT_PARTS = np.arange(1, 1 + len(JOINT_NAMES), dtype=np.int32)
+"""The part of each joint."""
+
 _PLACEMENT_TRIES = 10
 """How many motions are sampled before a placement counts as impossible."""
 
@@ -82,10 +87,13 @@ class SyntheticScene(NamedTuple):
         frame: the frame.
         parts: the part of the body that a pixel shows, 1 + the joint's number, or NO_PART where
             the label is NO_BODY; shape (H, W). See `skin_parts`.
+        visibility: whether each joint of each person is SEEN, HIDDEN_BY_BODY, HIDDEN or OUTSIDE,
+            shape (N, 20). See `lsc_pose_ros.data_types.visibility` and `joint_visibility`.
     """
 
     frame: Frame
     parts: NDArray[np.uint8]
+    visibility: NDArray[np.uint8]
 
 
 def synthetic_frames(settings: SyntheticSettings) -> Iterator[Frame]:
@@ -106,7 +114,7 @@ def synthetic_frames(settings: SyntheticSettings) -> Iterator[Frame]:
 
 
 def synthetic_scenes(settings: SyntheticSettings) -> Iterator[SyntheticScene]:
-    """Generate the frames of `synthetic_frames` with their body parts.
+    """Generate the frames of `synthetic_frames` with body parts and visibility.
 
     Args:
         settings: what to generate.
@@ -226,40 +234,58 @@ class _ClipGenerator:
     def _render(
         self, state: _SceneState, index: int, random: np.random.Generator
     ) -> SyntheticScene:
-        bodies = np.arange(1, len(state.people) + 1)
         posed = [
             self._sampler.pose_in_camera(person, index, state.placement, number)
             for number, person in enumerate(state.people)
         ]
-        meshes = [
-            RenderMesh(
-                body.vertices, self._sampler.body.triangles, pixel_codes(int(number), self._parts)
-            )
-            for number, body in zip(bodies, posed, strict=True)
-        ]
-        image = render_meshes(
-            [*meshes, *state.furniture], self._camera, self._sensor.width, self._sensor.height
-        )
+        alone = [self._draw(self._mesh(body, 1 + number)) for number, body in enumerate(posed)]
+        image = self._draw(*state.furniture)
+        for body in alone:
+            draw_over(image, body)
         if state.room is not None:
             render_room(image, state.room, state.placement.tilt, self._camera)
         image = _in_millimetres(apply_sensor(self._sensor.noise, image, self._camera, random))
         clear_margins(image, state.margins)
         labels, parts = split_codes(image.labels)
         joints = np.array([body.joints for body in posed]).reshape(-1, len(JOINT_NAMES), 3)
+        visibility = [
+            joint_visibility(
+                body.joints,
+                pixel_codes(1 + number, _JOINT_PARTS),
+                alone[number],
+                image,
+                self._camera,
+                state.margins,
+            )
+            for number, body in enumerate(posed)
+        ]
         frame = Frame(
             stamp=0,
             frame_id=FRAME_ID,
             depth=image.depth,
             labels=labels,
             camera=self._camera,
-            ground_truth=Skeletons(
-                bodies.astype(np.uint16),
-                np.arange(len(JOINT_NAMES), dtype=np.uint16),
-                joints.astype(np.float32),
-                np.ones(joints.shape[:2], np.float32),
-            ),
+            ground_truth=_ground_truth(joints),
         )
-        return SyntheticScene(frame, parts)
+        seen = np.array(visibility, np.uint8).reshape(joints.shape[:2])
+        return SyntheticScene(frame, parts, seen)
+
+    def _mesh(self, body: PosedBody, number: int) -> RenderMesh:
+        codes = pixel_codes(number, self._parts)
+        return RenderMesh(body.vertices, self._sampler.body.triangles, codes)
+
+    def _draw(self, *meshes: RenderMesh) -> DepthImage:
+        return render_meshes(meshes, self._camera, self._sensor.width, self._sensor.height)
+
+
+def _ground_truth(joints: NDArray[np.float64]) -> Skeletons:
+    """Return the skeletons of people numbered from 1 with these joints, shape (N, 20, 3)."""
+    return Skeletons(
+        np.arange(1, len(joints) + 1, dtype=np.uint16),
+        np.arange(len(JOINT_NAMES), dtype=np.uint16),
+        joints.astype(np.float32),
+        np.ones(joints.shape[:2], np.float32),
+    )
 
 
 def _scenes(generator: _ClipGenerator) -> Iterator[SyntheticScene]:

@@ -87,19 +87,20 @@ def furnish(
 def _before_people(arrangement: Arrangement, stream: RandomStream) -> list[Piece]:
     """Return tables before people on seats, and a piece in front of one person."""
     occupants = arrangement.occupants
-    pieces = [
+    before = [
         table_before(each, arrangement, stream)
         for each in occupants
         if each.seated and stream.bernoulli(_TABLE_FRACTION)
     ]
+    pieces = [each for each in before if each is not None and arrangement.accepts(each, stream)]
     if occupants and stream.bernoulli(IN_FRONT_FRACTION):
         chosen = occupants[int(len(occupants) * stream.uniform())]
         for _ in range(_TRIES):
             piece = piece_in_front(chosen, arrangement, stream)
-            if piece is not None:
+            if piece is not None and arrangement.accepts(piece, stream):
                 pieces.append(piece)
                 break
-    return [piece for piece in pieces if piece is not None]
+    return pieces
 
 
 def _own_arm(arrangement: Arrangement, stream: RandomStream) -> list[Piece]:

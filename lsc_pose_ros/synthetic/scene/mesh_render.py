@@ -80,6 +80,20 @@ def render_meshes(
 
 
 @exact_kernel
+def draw_over(image: DepthImage, other: DepthImage) -> None:
+    """Draw `other` into `image` where it is nearer; a depth of 0 is empty in both."""
+    depth, labels = image
+    other_depth, other_labels = other
+    height, width = depth.shape
+    for row in range(height):
+        for column in range(width):
+            z = other_depth[row, column]
+            if z > 0.0 and (depth[row, column] == 0.0 or z < depth[row, column]):
+                depth[row, column] = z
+                labels[row, column] = other_labels[row, column]
+
+
+@exact_kernel
 def project_corners(vertices: NDArray[np.float64], camera: Intrinsics) -> NDArray[np.int64]:
     """Return columns and rows in 1/SUBPIXELS, and 1 if the vertex can be drawn, shape (V, 3)."""
     corners = np.zeros((len(vertices), 3), np.int64)
