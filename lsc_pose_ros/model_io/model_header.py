@@ -26,11 +26,15 @@ from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.settings import BINNINGS, FEATURES, SAMPLES, Settings
 
 FORMAT = 'lsc_pose model'
-VERSION = 4
-"""The version that is written. Version 3 is read, too: only the names of some settings differ."""
+VERSION = 5
+"""The version that is written. Versions 3 and 4 are read, too: some settings have other names, or
+are missing."""
 
 _NAMES_SINCE_VERSION_3 = {'facings': 'body_yaws'}
 """What settings were called in version 3, and what they are called now."""
+
+_NEW_IN_VERSION_5: dict[str, float] = {'occluder_step': Settings().occluder_step}
+"""Settings that older versions do not have, and the values that their models use."""
 
 _LARGEST_SETTING = 10_000
 _LARGEST_SEED = 1 << 128
@@ -69,14 +73,19 @@ def decode_header(data: NDArray[Any]) -> Header:
         msg = 'its header is of another kind'
         raise UnusableModelError(msg)
     version, settings = header.get('version'), header.get('settings')
-    if version not in {3, VERSION}:
-        msg = f'it has version {version}, but this program reads versions 3 and {VERSION}'
+    if version not in {3, 4, VERSION}:
+        msg = f'it has version {version}, but this program reads versions 3 to {VERSION}'
         raise UnusableModelError(msg)
-    if version == 3 and isinstance(settings, dict):
-        settings = {
-            _NAMES_SINCE_VERSION_3.get(name, name): value for name, value in settings.items()
-        }
+    if isinstance(settings, dict):
+        settings = _settings_of_this_version(settings, version)
     return Header(_read_settings(settings), _read_provenance(header.get('provenance')))
+
+
+def _settings_of_this_version(given: dict[str, Any], version: int) -> dict[str, Any]:
+    settings = given
+    if version == 3:
+        settings = {_NAMES_SINCE_VERSION_3.get(name, name): settings[name] for name in settings}
+    return settings if version == VERSION else settings | _NEW_IN_VERSION_5
 
 
 def _read_provenance(given: object) -> dict[str, str]:

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.pose.forest.votes import Votes
 from lsc_pose_ros.pose.inference.candidates import Candidates
+from lsc_pose_ros.pose.inference.truncation import Cuts
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 from lsc_pose_ros.pose.silhouette.silhouette import Silhouette
 
@@ -40,6 +41,7 @@ class BodyEstimate:
         camera: the intrinsics.
         number: the body's number in `labels`.
         window: the body, cut out of the image.
+        cuts: where the body is cut off, or hidden by something nearer.
         silhouette: its silhouette (eq. 1, 2).
         scale: rho_bar, or `Settings.fixed_scale`, metres.
         queries: the indices of the silhouette's points that vote, shape (Q,).
@@ -60,6 +62,7 @@ class BodyEstimate:
     camera: Intrinsics = field(init=False)
     number: int = field(init=False)
     window: Window = field(init=False)
+    cuts: Cuts = field(init=False)
     silhouette: Silhouette = field(init=False)
     scale: float = field(init=False)
     queries: NDArray[np.int64] = field(init=False)

@@ -36,6 +36,8 @@ class Settings(NamedTuple):
         neighbour_distance: the largest difference in depth of such a neighbour, metres.
         fill_holes: a pixel without depth gets the median depth of its neighbours on the body if at
             least this many of the eight are on it; 0: it stays a hole.
+        occluder_step: a surface beside the body that is nearer than the body by more than this
+            fraction of its depth hides it and makes no outline; 0: all beside it is background.
         noise_factor: sigma and t_d are at least this many times the noise of the body's own depth;
             0: they are the same for all bodies.
         smoothing_sigma: sigma of the Gaussian over 3-D distances, metres (eq. 1).
@@ -65,6 +67,7 @@ class Settings(NamedTuple):
     fewest_neighbours: int = 0
     neighbour_distance: float = 0.1
     fill_holes: int = 0
+    occluder_step: float = 0.05
     noise_factor: float = 0.0
     smoothing_sigma: float = 0.02
     edge_threshold: float = 0.04

@@ -49,10 +49,11 @@ from lsc_pose_ros.pose.forest.votes import VoteSettings, gather_votes
 from lsc_pose_ros.pose.inference.candidates import find_candidates, highest_modes, positions_of
 from lsc_pose_ros.pose.inference.confidence import confidence_in
 from lsc_pose_ros.pose.inference.pictorial_structure import Structure, ascend, best_candidates
-from lsc_pose_ros.pose.inference.truncation import truncation_factor
+from lsc_pose_ros.pose.inference.truncation import find_cuts, truncation_factor
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.settings import Settings
-from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly, cut_out, find_silhouette
+from lsc_pose_ros.pose.silhouette.body_window import body_window
+from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly, find_silhouette
 
 FEWEST_POINTS = 30
 """A body with fewer silhouette points is a speck, not a person."""
@@ -180,10 +181,11 @@ def structure_of(model: Model) -> Structure:
 
 
 def _cut_out_window(settings: Settings, body: BodyEstimate) -> None:
-    window = cut_out(body.depth, body.labels, body.number, settings.fill_holes)
+    window = body_window(body.depth, body.labels, body.number, settings)
     if window is None:
         raise TooLittleVisibleError
     body.window = window
+    body.cuts = find_cuts(window, image_rays(body.camera, *body.depth.shape))
 
 
 def _find_silhouette(settings: Settings, body: BodyEstimate) -> None:
@@ -241,4 +243,4 @@ def _solve_graph(structure: Structure, body: BodyEstimate) -> None:
 def _rate_joints(model: Model, body: BodyEstimate) -> None:
     bandwidth = float(model.settings.joint_bandwidth)
     body.confidence = confidence_in(model.calibration, body.joint_votes, body.joints, bandwidth)
-    body.confidence *= truncation_factor(body.joints, body.window, body.camera)
+    body.confidence *= truncation_factor(body.joints, body.cuts)

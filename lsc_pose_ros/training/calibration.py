@@ -33,6 +33,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.inference.confidence import KNOTS, NEAR, vote_fractions
+from lsc_pose_ros.pose.inference.truncation import truncation_factor
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly
 from lsc_pose_ros.pose.stages import joint_stages, run_stages
@@ -49,7 +50,7 @@ class CalibrationData(NamedTuple):
     Attributes:
         fractions: the vote fraction of each joint, shape (P, J).
         near: 1 if the joint lies within NEAR of the ground truth, 0 if not, NaN without ground
-            truth or estimate, shape (P, J).
+            truth or estimate, and near a cut, where a factor lowers the confidence; (P, J).
     """
 
     fractions: NDArray[np.float32]
@@ -85,7 +86,8 @@ def gather_calibration_data(model: Model, people: Iterable[LabelledPerson]) -> C
         run_stages(stages, body)
         errors = np.linalg.norm(body.joints - person.joints * person.scale, axis=-1)
         fractions.append(vote_fractions(body.joint_votes, body.joints, settings.joint_bandwidth))
-        near.append(np.where(np.isnan(errors), np.nan, errors <= NEAR).astype(np.float32))
+        unknown = np.isnan(errors) | (truncation_factor(body.joints, person.cuts) < 1)
+        near.append(np.where(unknown, np.nan, errors <= NEAR).astype(np.float32))
     shape = -1, len(model.joints)
     return CalibrationData(
         np.array(fractions, np.float32).reshape(shape), np.array(near, np.float32).reshape(shape)

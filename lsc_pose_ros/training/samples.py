@@ -27,6 +27,7 @@ from lsc_pose_ros.data_types.image_arguments import check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.estimator import bodies_in
+from lsc_pose_ros.pose.inference.truncation import NO_CUTS, Cuts
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.stages import describe_body
 
@@ -58,12 +59,14 @@ class LabelledPerson(NamedTuple):
         points: positions in units of rho_bar, shape (N, 3).
         joints: positions in units of rho_bar, NaN if not labelled, shape (J, 3).
         scale: rho_bar, metres.
+        cuts: where the person is cut off, or hidden by something nearer.
     """
 
     quantised: NDArray[np.uint8]
     points: NDArray[np.float32]
     joints: NDArray[np.float32]
     scale: float
+    cuts: Cuts = NO_CUTS
 
 
 def select_joints(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> NDArray[np.float32]:
@@ -111,6 +114,7 @@ def labelled_people_in(
                 described.points / scale,
                 positions[row] / scale,
                 described.scale,
+                described.cuts,
             )
 
 

@@ -67,7 +67,7 @@ def test_another_version_is_refused_by_its_number(version, small_model_file, tmp
     header = change_header(small_model_file, version=version)
     path = rewrite(small_model_file, tmp_path / 'new.npz', header=header)
     with pytest.raises(
-        InputError, match=r'it has version .*, but this program reads versions 3 and 4'
+        InputError, match=r'it has version .*, but this program reads versions 3 to 5'
     ):
         load_model(path)
 

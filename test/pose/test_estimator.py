@@ -70,11 +70,11 @@ def test_bodies_are_estimated_each_by_itself_in_the_order_of_their_numbers(estim
     np.testing.assert_array_equal(together.positions[0], alone.positions[0])
 
 
-def test_pixels_outside_of_the_body_do_not_matter(estimator, people):
+def test_pixels_behind_the_body_do_not_matter(estimator, people):
     frame = people[10]
     rng = np.random.default_rng(0)
     noisy = np.where(
-        frame.labels >= 0, frame.depth, rng.choice([0.0, 0.5, 9.0], frame.depth.shape)
+        frame.labels >= 0, frame.depth, rng.choice([0.0, 6.0, 9.0], frame.depth.shape)
     ).astype(np.float32)
     before = estimator.estimate(frame.depth, frame.labels, frame.camera)
     after = estimator.estimate(noisy, frame.labels, frame.camera)

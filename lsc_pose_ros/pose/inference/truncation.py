@@ -13,18 +13,26 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Lower confidence for people whom the edge of the image cuts off.
+"""Lower confidence for people of whom a part is cut off or hidden by something nearer.
 
-The part of the body beyond the edge is invisible, and its joints are estimated where the visible
-body ends. So the closer an estimated joint is to the cut, the less reliable it is.
+The part of the body beyond the cut is invisible, and its joints are estimated where the visible
+body ends. So the closer an estimated joint is to a cut, the less reliable it is. A cut is where
+the body borders on unknown pixels (NaN): those outside of the image, and those that
+`silhouette/cuts.py` marks.
 """
+
+import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.camera.projection import project
-from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.camera.rays import ImageRays
+from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
+
+FEWEST_CUTS = 3
+"""Fewer cuts than this are noise, for example at the feet, where the floor comes nearer."""
 
 # At these distances of a joint from a cut, metres, the confidence is multiplied by these factors:
 # measured on 900 synthetic people of whom 71 % were cut off.
@@ -32,41 +40,89 @@ _DISTANCES = (0.05, 0.25, 0.9)
 _FACTORS = (0.2, 0.5, 1.0)
 
 
-def truncation_factor(
-    joints: NDArray[np.float32], window: Window, camera: Intrinsics
-) -> NDArray[np.float32]:
+class Cuts(NamedTuple):
+    """The pixels of a body that have an unknown pixel above, below or beside them.
+
+    Attributes:
+        rays: X / Z and Y / Z of each pixel, shape (n, 2).
+        hidden: the direction to the hidden side: the sum of the steps to the unknown pixels, to
+            the right and down, shape (n, 2).
+    """
+
+    rays: NDArray[np.float32]
+    hidden: NDArray[np.float32]
+
+
+NO_CUTS = Cuts(np.zeros((0, 2), np.float32), np.zeros((0, 2), np.float32))
+"""The cuts of a body that is in full view."""
+
+
+def find_cuts(window: Window, rays: ImageRays) -> Cuts:
+    """Return the cuts of the body in a window; none if there are fewer than FEWEST_CUTS.
+
+    Args:
+        window: the body, with its cuts marked; its border row and column hold no body.
+        rays: the rays of the whole image.
+    """
+    found = _find_cuts(window, rays)
+    return NO_CUTS if len(found) < FEWEST_CUTS else Cuts(found[:, :2], found[:, 2:])
+
+
+@kernel
+def _find_cuts(window: Window, rays: ImageRays) -> NDArray[np.float32]:
+    depth = window.depth
+    cuts = np.empty((depth.size, 4), np.float32)
+    count = 0
+    for i in range(1, depth.shape[0] - 1):
+        for j in range(1, depth.shape[1] - 1):
+            if not math.isfinite(depth[i, j]):
+                continue
+            left, right = math.isnan(depth[i, j - 1]), math.isnan(depth[i, j + 1])
+            above, below = math.isnan(depth[i - 1, j]), math.isnan(depth[i + 1, j])
+            if left or right or above or below:
+                at = window.row + i + 1, window.column + j + 1  # the rays have a margin
+                cuts[count, 0], cuts[count, 1] = rays.right[at], rays.down[at]
+                cuts[count, 2] = int(right) - int(left)
+                cuts[count, 3] = int(below) - int(above)
+                count += 1
+    return cuts[:count].copy()
+
+
+def truncation_factor(joints: NDArray[np.float32], cuts: Cuts) -> NDArray[np.float32]:
     """Return the factor for the confidence in each joint, from 0.2 to 1, shape (J,).
 
     Args:
         joints: of one body in the optical frame, metres, NaN if not estimated, shape (J, 3).
-        window: the body, cut out of the image.
-        camera: the intrinsics of the whole image.
+        cuts: of the body.
     """
-    cuts = cut_sides(window)
-    if not cuts.any():
+    if not len(cuts.rays):
         return np.ones(len(joints), np.float32)
-    column, row = project(joints, camera).T
-    height, width = window.depth.shape
-    top, left = window.row + 0.5, window.column + 0.5  # between the border and the image
-    inside = np.stack(
-        [row - top, top + height - 2 - row, column - left, left + width - 2 - column]
-    )
-    metres = inside / np.array([[camera.fy]] * 2 + [[camera.fx]] * 2) * joints[:, 2]
-    nearest = np.where(cuts[:, None], metres, np.inf).min(axis=0)
+    nearest = distances_from_cuts(joints, cuts)
     factors: NDArray[np.float32] = np.interp(nearest, _DISTANCES, _FACTORS).astype(np.float32)
     return np.where(np.isnan(nearest), np.float32(1), factors)
 
 
-def cut_sides(window: Window) -> NDArray[np.bool_]:
-    """Return whether the image's top, bottom, left and right edge cut the body off, shape (4,)."""
-    depth = window.depth
-    sides = (
-        (depth[0], depth[1]),
-        (depth[-1], depth[-2]),
-        (depth[:, 0], depth[:, 1]),
-        (depth[:, -1], depth[:, -2]),
-    )
-    # The border is NaN outside of the image, but the body may also end just before it.
-    return np.array(
-        [np.isnan(border[1:-1]).all() and np.isfinite(line).any() for border, line in sides]
-    )
+@kernel
+def distances_from_cuts(joints: NDArray[np.float32], cuts: Cuts) -> NDArray[np.float32]:
+    """Return the distance of each joint from the nearest cut, metres, shape (J,).
+
+    It is measured in parallel to the image, at the depth of the joint. It is 0 for a joint on the
+    hidden side of the nearest cut and NaN for a joint that is not estimated.
+
+    Args:
+        joints: as `truncation_factor`.
+        cuts: of the body, at least one.
+    """
+    distances = np.full(len(joints), np.nan, np.float32)
+    for joint in range(len(joints)):
+        x, y, z = joints[joint]
+        least, side = np.inf, 0.0
+        for n in range(len(cuts.rays)):
+            right, down = x - z * cuts.rays[n, 0], y - z * cuts.rays[n, 1]
+            squared = right * right + down * down
+            if squared < least:  # not if it is NaN
+                least = squared
+                side = right * cuts.hidden[n, 0] + down * cuts.hidden[n, 1]
+        if least < np.inf:
+            distances[joint] = 0.0 if side > 0 else math.sqrt(least)
+    return distances

@@ -38,7 +38,8 @@ class Window(NamedTuple):
     """One body, cut out of the image with a border of one pixel.
 
     Attributes:
-        depth: metres; infinity if there is no body or no depth, NaN outside of the image.
+        depth: metres; infinity at the background, NaN if it is unknown what is there: outside of
+            the image and beside a cut.
         row: the image row of the window's first row (-1 if the border lies outside).
         column: likewise for columns.
     """
@@ -49,7 +50,7 @@ class Window(NamedTuple):
 
 
 def remove_flying_pixels(window: Window, settings: Settings) -> Window:
-    """Return the window without flying pixels; they become background.
+    """Return the window without flying pixels; they become background, or unknown beside a cut.
 
     At the rim of a surface a time-of-flight camera mixes the light from the surface with that from
     behind it and measures a depth in between. Such a pixel has hardly any neighbours at its own
@@ -64,6 +65,9 @@ def remove_flying_pixels(window: Window, settings: Settings) -> Window:
 @kernel
 def drop_flying(depth: NDArray[np.float32], fewest: int, distance: float) -> NDArray[np.float32]:
     """Return the window's depth, infinity at pixels with too few neighbours at their own depth.
+
+    Beside an unknown pixel (NaN), such a pixel becomes unknown, too: a mixed pixel between the
+    body and a surface that hides it is no background.
 
     Args:
         depth: the window's; its border row and column hold no body.
@@ -81,8 +85,17 @@ def drop_flying(depth: NDArray[np.float32], fewest: int, distance: float) -> NDA
                     if abs(depth[i + di, j + dj] - depth[i, j]) <= distance:
                         neighbours += 1
             if neighbours < fewest:
-                kept[i, j] = np.inf
+                kept[i, j] = np.nan if _any_unknown(depth, i, j) else np.inf
     return kept
+
+
+@kernel
+def _any_unknown(depth: NDArray[np.float32], i: int, j: int) -> bool:
+    for di in range(-1, 2):
+        for dj in range(-1, 2):
+            if math.isnan(depth[i + di, j + dj]):
+                return True
+    return False
 
 
 @kernel

@@ -28,7 +28,8 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.evaluation.evaluate import joint_errors
 from lsc_pose_ros.pose.estimator import bodies_in
 from lsc_pose_ros.pose.settings import Settings
-from lsc_pose_ros.pose.silhouette.silhouette import cut_out, find_silhouette
+from lsc_pose_ros.pose.silhouette.body_window import body_window
+from lsc_pose_ros.pose.silhouette.silhouette import find_silhouette
 from lsc_pose_ros.training.samples import select_joints
 from lsc_pose_ros.viz.drawing.colours import EDGE
 from lsc_pose_ros.viz.drawing.crop import box_around
@@ -81,7 +82,7 @@ def silhouette_pixels(frame: Frame, settings: Settings) -> NDArray[np.float32]:
     """Return the pixels (column, row) of all bodies' silhouette points E', shape (n, 2)."""
     pixels = [np.zeros((0, 2), np.float32)]
     for body in bodies_in(frame.labels):
-        window = cut_out(frame.depth, frame.labels, int(body), settings.fill_holes)
+        window = body_window(frame.depth, frame.labels, int(body), settings)
         if window is not None:
             rays = image_rays(frame.camera, *frame.depth.shape)
             silhouette = find_silhouette(window, rays, settings)

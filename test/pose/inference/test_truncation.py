@@ -13,21 +13,29 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The factor for the confidence in joints near the edge of the image."""
+"""The factor for the confidence in joints near a cut: the image's edge, or something nearer."""
 
 import numpy as np
 import pytest
 
+from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.pose.estimator import Estimator
-from lsc_pose_ros.pose.inference.truncation import cut_sides, truncation_factor
+from lsc_pose_ros.pose.inference.truncation import (
+    FEWEST_CUTS,
+    NO_CUTS,
+    Cuts,
+    find_cuts,
+    truncation_factor,
+)
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 from lsc_pose_ros.pose.silhouette.silhouette import cut_out
 
 CAMERA = Intrinsics(280.0, 250.0, 31.0, 22.0)
 HEIGHT, WIDTH = 40, 60
+RAYS = image_rays(CAMERA, HEIGHT, WIDTH)
 
 
 def window_of(rows: slice, columns: slice) -> Window:
@@ -38,18 +46,35 @@ def window_of(rows: slice, columns: slice) -> Window:
     return window
 
 
-def factor_twin(joint: np.ndarray, sides: str) -> float:
-    """The factor by the distance, at the joint's depth, to the nearest of the image's `sides`."""
+def random_joints(seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    return rng.uniform((-1, -1, 1), (1, 1, 4), (200, 3)).astype(np.float32)
+
+
+def cuts_twin(window: Window) -> list[tuple[int, int, int, int]]:
+    """Row and column in the image of each cut, and the step to its hidden side."""
+    unknown = np.isnan(window.depth)
+    found = []
+    for i, j in np.argwhere(np.isfinite(window.depth)):
+        above, below = unknown[i - 1, j], unknown[i + 1, j]
+        left, right = unknown[i, j - 1], unknown[i, j + 1]
+        if above or below or left or right:
+            step = int(below) - int(above), int(right) - int(left)
+            found.append((window.row + i, window.column + j, *step))
+    return found
+
+
+def factor_twin(joint: np.ndarray, cuts: list[tuple[int, int, int, int]]) -> float:
+    """The factor by the distance, at the joint's depth, to the nearest cut."""
     x, y, z = (float(number) for number in joint)
     column, row = CAMERA.cx + CAMERA.fx * x / z, CAMERA.cy + CAMERA.fy * y / z
-    distances = {
-        't': (row + 0.5) * z / CAMERA.fy,
-        'b': (HEIGHT - 0.5 - row) * z / CAMERA.fy,
-        'l': (column + 0.5) * z / CAMERA.fx,
-        'r': (WIDTH - 0.5 - column) * z / CAMERA.fx,
-    }
-    metres = min(distances[side] for side in sides)
-    if metres <= 0.05:
+    found = []
+    for cut_row, cut_column, down, right in cuts:
+        across = (column - cut_column) * z / CAMERA.fx
+        along = (row - cut_row) * z / CAMERA.fy
+        found.append((np.hypot(across, along), across * right + along * down > 0))
+    metres, hidden = min(found)
+    if hidden or metres <= 0.05:
         return 0.2
     if metres <= 0.25:
         return 0.2 + 0.3 * (metres - 0.05) / 0.2
@@ -57,54 +82,97 @@ def factor_twin(joint: np.ndarray, sides: str) -> float:
 
 
 @pytest.mark.parametrize(
-    ('rows', 'columns', 'sides'),
+    ('rows', 'columns'),
     [
-        (slice(0, 20), slice(10, 30), 't'),
-        (slice(10, HEIGHT), slice(10, 30), 'b'),
-        (slice(10, 30), slice(0, 30), 'l'),
-        (slice(10, 30), slice(30, WIDTH), 'r'),
-        (slice(0, HEIGHT), slice(0, WIDTH), 'tblr'),
-        (slice(1, HEIGHT - 1), slice(20, WIDTH), 'r'),
+        (slice(0, 20), slice(10, 30)),
+        (slice(10, HEIGHT), slice(10, 30)),
+        (slice(10, 30), slice(0, 30)),
+        (slice(10, 30), slice(30, WIDTH)),
+        (slice(0, HEIGHT), slice(0, WIDTH)),
+        (slice(1, HEIGHT - 1), slice(20, WIDTH)),
     ],
 )
-def test_confidence_decreases_towards_a_cut(rows: slice, columns: slice, sides: str) -> None:
+def test_confidence_decreases_towards_a_cut(rows: slice, columns: slice) -> None:
     window = window_of(rows, columns)
-    assert cut_sides(window).tolist() == [side in sides for side in 'tblr']
-    joints = np.random.default_rng(0).uniform((-1, -1, 1), (1, 1, 4), (200, 3)).astype(np.float32)
-    found = truncation_factor(joints, window, CAMERA)
+    cuts, expected = find_cuts(window, RAYS), cuts_twin(window)
+    assert len(cuts.rays) == len(expected)
+    joints = random_joints(0)
+    found = truncation_factor(joints, cuts)
     assert found.dtype == np.float32
-    np.testing.assert_allclose(found, [factor_twin(each, sides) for each in joints], atol=1e-4)
+    np.testing.assert_allclose(found, [factor_twin(each, expected) for each in joints], atol=1e-4)
     assert found.min() == pytest.approx(0.2)
     assert found.max() > 0.4
 
 
+def test_cut_by_something_nearer_counts_like_the_edge_of_the_image() -> None:
+    window = window_of(slice(10, 30), slice(10, 30))
+    window.depth[-1] = np.nan
+    expected = cuts_twin(window)
+    assert {(row, down) for row, _, down, _ in expected} == {(29, 1)}
+    joints = random_joints(1)
+    np.testing.assert_allclose(
+        truncation_factor(joints, find_cuts(window, RAYS)),
+        [factor_twin(each, expected) for each in joints],
+        atol=1e-4,
+    )
+
+
+def test_joint_beyond_a_cut_has_the_lowest_factor_at_any_distance() -> None:
+    window = window_of(slice(10, HEIGHT), slice(10, 30))
+    below = np.array([[-0.05, 0.2, 2.0], [-0.05, 3.0, 2.0]], np.float32)
+    np.testing.assert_allclose(truncation_factor(below, find_cuts(window, RAYS)), 0.2)
+
+
+@pytest.mark.parametrize('count', [FEWEST_CUTS - 1, FEWEST_CUTS])
+def test_few_cuts_are_noise(count: int) -> None:
+    window = window_of(slice(10, 30), slice(10, 30))
+    window.depth[-1, 5 : 5 + count] = np.nan
+    assert len(cuts_twin(window)) == count
+    assert len(find_cuts(window, RAYS).rays) == (count if count == FEWEST_CUTS else 0)
+
+
 def test_confidence_of_a_body_that_is_not_cut_off_is_unchanged() -> None:
     window = window_of(slice(1, HEIGHT - 1), slice(1, WIDTH - 1))
-    assert not cut_sides(window).any()
+    cuts = find_cuts(window, RAYS)
+    assert cuts is NO_CUTS
     joints = np.random.default_rng(1).uniform((-9, -9, 1), (9, 9, 4), (50, 3)).astype(np.float32)
-    assert (truncation_factor(joints, window, CAMERA) == 1).all()
+    assert (truncation_factor(joints, cuts) == 1).all()
 
 
 def test_joint_that_is_not_estimated_has_factor_1() -> None:
     joints = np.full((2, 3), np.nan, np.float32)
     joints[1] = (0.0, 5.0, 2.0)
-    window = window_of(slice(10, HEIGHT), slice(10, 30))
-    np.testing.assert_allclose(truncation_factor(joints, window, CAMERA), [1, 0.2])
+    cuts = find_cuts(window_of(slice(10, HEIGHT), slice(10, 30)), RAYS)
+    np.testing.assert_allclose(truncation_factor(joints, cuts), [1, 0.2])
 
 
-def test_confidence_falls_where_the_image_ends_at_the_hips(small_model, people) -> None:
-    """The same body in an image that continues below it and in one that ends there."""
+def test_ray_that_does_not_exist_is_ignored() -> None:
+    rays = np.array([[np.nan, np.nan], [0.0, 0.1]], np.float32)
+    hidden = np.array([[0, -1], [0, 1]], np.float32)
+    joint = np.array([[0.0, 0.0, 2.0]], np.float32)
+    expected = np.interp(0.2, (0.05, 0.25), (0.2, 0.5))
+    np.testing.assert_allclose(truncation_factor(joint, Cuts(rays, hidden)), expected, rtol=1e-5)
+
+
+@pytest.mark.parametrize(('nearer', 'largest'), [(False, 0.5), (True, 0.6)])
+def test_confidence_falls_where_the_body_is_cut_off_at_the_hips(
+    nearer, largest, small_model, people
+) -> None:
+    """The same body in an image that continues below it, and cut off.
+
+    It is cut off by the edge of the image, or by something nearer.
+    """
     frame, estimator = people[5], Estimator(small_model)
     rows = np.flatnonzero((frame.labels >= 0).any(axis=1))
     end = int(rows[0] + 0.6 * len(rows))
-    labels = frame.labels.copy()
+    depth, labels = frame.depth.copy(), frame.labels.copy()
     labels[end:] = NO_BODY
-    whole = estimator.estimate(frame.depth, labels, frame.camera)
-    cut = estimator.estimate(
-        np.ascontiguousarray(frame.depth[:end]),
-        np.ascontiguousarray(labels[:end]),
-        frame.camera,
-    )
+    whole = estimator.estimate(depth, labels, frame.camera)
+    if nearer:
+        depth[end:] = 0.8 * depth[labels >= 0].min()
+    else:
+        depth, labels = np.ascontiguousarray(depth[:end]), np.ascontiguousarray(labels[:end])
+    cut = estimator.estimate(depth, labels, frame.camera)
     assert np.isfinite(cut.positions).all()
     knee = names_of(small_model.joints).index('l_knee')
-    assert cut.confidence[0, knee] < 0.5 * whole.confidence[0, knee]
+    assert cut.confidence[0, knee] < largest * whole.confidence[0, knee]

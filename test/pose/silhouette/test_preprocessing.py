@@ -58,12 +58,16 @@ def whole_body(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def drop_flying_twin(depth: np.ndarray, fewest: int, distance: float) -> np.ndarray:
-    """Depth without pixels that have fewer than `fewest` neighbours within `distance`."""
+    """Depth without pixels that have fewer than `fewest` neighbours within `distance`.
+
+    They are background, or unknown beside an unknown pixel.
+    """
     kept = depth.copy()
     for i, j in np.argwhere(np.isfinite(depth)):
-        near = np.abs(depth[i - 1 : i + 2, j - 1 : j + 2] - depth[i, j]) <= np.float32(distance)
+        around = depth[i - 1 : i + 2, j - 1 : j + 2]
+        near = np.abs(around - depth[i, j]) <= np.float32(distance)
         if near.sum() - 1 < fewest:
-            kept[i, j] = np.inf
+            kept[i, j] = np.nan if np.isnan(around).any() else np.inf
     return kept
 
 

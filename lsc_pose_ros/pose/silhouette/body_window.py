@@ -1,0 +1,41 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The window of one body: cut out, corrected, and with its cuts marked."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.pose.silhouette.cuts import SceneImage, mark_cuts
+from lsc_pose_ros.pose.silhouette.preprocessing import Window
+from lsc_pose_ros.pose.silhouette.silhouette import cut_out
+
+
+def body_window(
+    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int, settings: Settings
+) -> Window | None:
+    """Return the window of `body`, or None if none of its pixels has a depth.
+
+    Args:
+        depth: metres, 0 if the sensor measured nothing, shape (H, W).
+        labels: the body number of each pixel, negative for none, shape (H, W).
+        body: the body's number.
+        settings: which holes are filled, and what hides a body.
+    """
+    window = cut_out(depth, labels, body, settings.fill_holes)
+    if window is None:
+        return None
+    return mark_cuts(window, SceneImage(depth, labels, body), settings.occluder_step)
