@@ -41,6 +41,7 @@ from lsc_pose_ros.synthetic.motion.joint_angles import (
 from lsc_pose_ros.synthetic.motion.lower_body_poses import BodyPose
 from lsc_pose_ros.synthetic.motion.two_hand_gestures import (
     HAND_PAIRS,
+    IDLE_HAND_PAIRS,
     move_hand_pair,
 )
 from lsc_pose_ros.synthetic.sampling import RandomStream
@@ -76,6 +77,8 @@ _BOTH_POSTURES: tuple[tuple[float, Posture], ...] = (
     }),
 )  # fmt: skip
 
+_IDLE_POSTURES = (_BOTH_POSTURES[0], _BOTH_POSTURES[-1])  # hands on the hips, behind the back
+
 
 def sample_arms(collision_body: CollisionBody, lower_body: BodyPose, stream: RandomStream) -> None:
     """Sample the pose of both arms, in place.
@@ -95,14 +98,17 @@ def sample_arms(collision_body: CollisionBody, lower_body: BodyPose, stream: Ran
 
 _BOTH_ARMS_PROBABILITY = {
     'stand': 0.32,
+    'idle': 0.65,
     'stoop': 0.15,
     'sit': 0.25,
     'sit_on_floor': 0.25,
     'walk': 0.1,
 }
 _SITTING = ((0.4, 'rest'), (0.15, 'habit'), (0.25, 'reach'), (0.15, 'touch'), (0.05, 'any'))
+_STANDING = ((0.3, 'hang'), (0.2, 'habit'), (0.25, 'reach'), (0.15, 'touch'), (0.1, 'any'))
 _ONE_ARM_GESTURES: dict[str, tuple[tuple[float, str], ...]] = {
-    'stand': ((0.3, 'hang'), (0.2, 'habit'), (0.25, 'reach'), (0.15, 'touch'), (0.1, 'any')),
+    'stand': _STANDING,
+    'idle': _STANDING,
     'stoop': ((0.6, 'down'), (0.1, 'hang'), (0.1, 'reach'), (0.15, 'touch'), (0.05, 'any')),
     'sit': _SITTING,
     'sit_on_floor': _SITTING,
@@ -138,9 +144,10 @@ def _sample_both(
     kind, angles = lower_body
     gesture = stream.choose(((0.55, 'hand_pair'), (0.32, 'posture'), (0.13, 'touch')))
     if gesture == 'hand_pair':
-        move_hand_pair(collision_body.rig, angles, stream.choose(HAND_PAIRS), stream)
+        pairs = IDLE_HAND_PAIRS if kind == 'idle' else HAND_PAIRS
+        move_hand_pair(collision_body.rig, angles, stream.choose(pairs), stream)
         return
-    posture = stream.choose(_BOTH_POSTURES)
+    posture = stream.choose(_IDLE_POSTURES if kind == 'idle' else _BOTH_POSTURES)
     target = stream.choose(SITTING_TOUCH_TARGETS if kind.startswith('sit') else TOUCH_TARGETS)
     for side in (0, 1):
         sample_posture(angles, _PREFIXES[side], ARM_ANGLES, posture, stream)

@@ -89,8 +89,8 @@ class BodyPose(NamedTuple):
     """A pose and its kind.
 
     Attributes:
-        kind: 'stand', 'stoop', 'sit' (on a seat), 'sit_on_floor' or 'walk'; decides which arm
-            gestures are likely.
+        kind: 'stand', 'idle', 'stoop', 'sit' (on a seat), 'sit_on_floor' or 'walk'; decides
+            which arm gestures are likely.
         angles: in the order of ANGLES, radians, shape (A,); not always within limits.
     """
 
@@ -292,8 +292,9 @@ _LOWER_BODY_KINDS: LowerBodyKinds = (
 )  # fmt: skip
 
 AFOOT_KINDS: LowerBodyKinds = (
-    (0.34, ('stand', _stand_at_ease)), (0.07, ('stand', _stand_apart)),
-    (0.09, ('stand', _stand_in_stride)), (0.04, ('stand', _lunge)), (0.1, ('stand', _squat)),
+    (0.16, ('stand', _stand_at_ease)), (0.18, ('idle', _stand_at_ease)),
+    (0.07, ('idle', _stand_apart)), (0.09, ('stand', _stand_in_stride)),
+    (0.04, ('stand', _lunge)), (0.1, ('stand', _squat)),
     (0.13, ('stoop', _stoop)), (0.04, ('stand', _stand_on_one_leg)), (0.1, ('walk', _walk)),
     (0.03, ('sit_on_floor', _sit_on_floor)), (0.06, ('stand', _kneel)),
 )  # fmt: skip

@@ -72,6 +72,17 @@ HAND_PAIRS: tuple[tuple[float, HandPair], ...] = (
     ),
 )
 
+IDLE_HAND_PAIRS: tuple[tuple[float, HandPair], ...] = (
+    (
+        0.40,
+        HandPair((0, -0.3, 0.3), (0.04, 0.1, 0.04), (0.35, 0.5), (-1, 0.35, 0.2), 'any', 25, 25),
+    ),
+    (0.25, HandPair((0, -0.72, 0.28), (0.05, 0.1, 0.06), (0.07, 0.2), fingers=30)),  # clasped
+    (0.15, HandPair((0, -0.3, 0.42), (0.06, 0.12, 0.08), (0.08, 0.25), palms='up', fingers=40)),
+    (0.20, HandPair((0, -0.42, 0.45), (0.06, 0.14, 0.08), (0.3, 0.65), palms='in', fingers=25)),
+)
+"""Hands of people who stand idly: folded, clasped, before the body, with something in them."""
+
 _PALMS = {
     'in': (-1.0, 0.0, 0.0),
     'ahead': (0.0, 0.0, 1.0),
