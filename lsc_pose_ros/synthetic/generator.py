@@ -27,7 +27,7 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.synthetic.body.body_mesh import PosedBody
 from lsc_pose_ros.synthetic.body.skin_parts import skin_parts
-from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson
+from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson, attire_meshes
 from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
 from lsc_pose_ros.synthetic.scene.framing import Margins, clear_margins, sample_framing
@@ -43,7 +43,7 @@ from lsc_pose_ros.synthetic.scene.placement import (
     sample_placement,
 )
 from lsc_pose_ros.synthetic.scene.room import Room, render_room, sample_room
-from lsc_pose_ros.synthetic.scene.shapes import join
+from lsc_pose_ros.synthetic.scene.shapes import Mesh, join
 from lsc_pose_ros.synthetic.sensors.sensors import apply_sensor
 from lsc_pose_ros.synthetic.settings import (
     SyntheticSettings,
@@ -171,6 +171,11 @@ class _ClipGenerator:
         random = _Generators(*(np.random.Generator(np.random.PCG64(s)) for s in source.spawn(3)))
         bodies = [self._sampler.sample_body(random.people) for _ in range(self.settings.people)]
         people = [self._sampler.sample_person(rest, self.length, random.people) for rest in bodies]
+        if self.settings.furniture:
+            people = [
+                each._replace(attire=self._sampler.sample_attire(each.rest, random.people))
+                for each in people
+            ]
         if self.settings.rate is not None:
             groups = [people]
         else:  # each frame has its own placement
@@ -227,7 +232,10 @@ class _ClipGenerator:
                     raise
                 count = len(people[0].pelvis_heights)
                 people = [
-                    self._sampler.sample_person(each.rest, count, random.people) for each in people
+                    self._sampler.sample_person(each.rest, count, random.people)._replace(
+                        attire=each.attire
+                    )
+                    for each in people
                 ]
         raise AssertionError  # the last try returns or raises
 
@@ -238,7 +246,14 @@ class _ClipGenerator:
             self._sampler.pose_in_camera(person, index, state.placement, number)
             for number, person in enumerate(state.people)
         ]
-        alone = [self._draw(self._mesh(body, 1 + number)) for number, body in enumerate(posed)]
+        down = state.placement.tilt[:, 1]
+        alone = [
+            self._draw(
+                self._mesh(body, 1 + number),
+                *_attire(attire_meshes(state.people[number], index, body, down), 1 + number),
+            )
+            for number, body in enumerate(posed)
+        ]
         image = self._draw(*state.furniture)
         for body in alone:
             draw_over(image, body)
@@ -276,6 +291,13 @@ class _ClipGenerator:
 
     def _draw(self, *meshes: RenderMesh) -> DepthImage:
         return render_meshes(meshes, self._camera, self._sensor.width, self._sensor.height)
+
+
+def _attire(meshes: list[tuple[Mesh, NDArray[np.int32]]], number: int) -> Iterator[RenderMesh]:
+    for mesh, parts in meshes:
+        yield RenderMesh(
+            mesh.vertices, mesh.triangles.astype(np.uint16), pixel_codes(number, parts)
+        )
 
 
 def _ground_truth(joints: NDArray[np.float64]) -> Skeletons:

@@ -27,8 +27,13 @@ from lsc_pose_ros.synthetic.body.clothes import clothes_regions, dress
 from lsc_pose_ros.synthetic.body.population import BodySampler, Population
 from lsc_pose_ros.synthetic.mocap.mocap import Mocap, load_mocap
 from lsc_pose_ros.synthetic.motion.motion import Motion, sample_motion
+from lsc_pose_ros.synthetic.outfit.carried import CarriedSize, carried_load, sample_carried
+from lsc_pose_ros.synthetic.outfit.garments import sample_garments
+from lsc_pose_ros.synthetic.outfit.outfit import Outfit, outfit_of
+from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.occupant import Occupant, regions_of
 from lsc_pose_ros.synthetic.scene.placement import PersonExtent, ScenePlacement
+from lsc_pose_ros.synthetic.scene.shapes import Mesh
 from lsc_pose_ros.synthetic.settings import SyntheticSettings
 
 # The directions in which `hull_vertices` looks for the outermost vertices of each bone.
@@ -43,6 +48,20 @@ SEATED_FRACTION = 0.25
 """Fraction of people on a seat, in furnished rooms."""
 
 
+class Attire(NamedTuple):
+    """What a person wears and carries besides tight clothes.
+
+    Attributes:
+        outfit: follows the bones.
+        seated_outfit: the same without what is in the way of a seat.
+        carried: what the hands carry if the pose allows it.
+    """
+
+    outfit: Outfit
+    seated_outfit: Outfit
+    carried: CarriedSize
+
+
 class SyntheticPerson(NamedTuple):
     """One person in T frames.
 
@@ -55,6 +74,7 @@ class SyntheticPerson(NamedTuple):
         extent: the outermost points, relative to the floor below the pelvis.
         joints: the joints, in the same frame, metres, shape (T, 20, 3).
         seated: whether the person sits on a seat, shape (T,).
+        attire: what the person wears and carries; None if only tight clothes.
     """
 
     rest: RestBody
@@ -63,6 +83,7 @@ class SyntheticPerson(NamedTuple):
     extent: PersonExtent
     joints: NDArray[np.float64]
     seated: NDArray[np.bool_]
+    attire: Attire | None = None
 
     def single_frame(self, frame: int) -> 'SyntheticPerson':
         """Return the person with one frame only."""
@@ -74,6 +95,7 @@ class SyntheticPerson(NamedTuple):
             PersonExtent(self.extent.points[one], self.extent.trunk[one]),
             self.joints[one],
             self.seated[one],
+            self.attire,
         )
 
 
@@ -115,6 +137,17 @@ class PersonSampler:
         """
         undressed = self._body_sampler.sample(self._population, random)
         return dress(self._clothes_regions, undressed, random)
+
+    def sample_attire(self, rest: RestBody, random: np.random.Generator) -> Attire:
+        """Sample what a person wears and carries besides tight clothes."""
+        stream = RandomStream(random)
+        garments = sample_garments(self.body, rest, stream)
+        on_seat = [each for each in garments if not each.behind]
+        return Attire(
+            outfit_of(self.body, rest, garments),
+            outfit_of(self.body, rest, on_seat),
+            sample_carried(stream),
+        )
 
     def sample_person(
         self, rest: RestBody, count: int, random: np.random.Generator
@@ -186,6 +219,29 @@ class PersonSampler:
         height = np.array([0.0, person.pelvis_heights[frame], 0.0])
         position = placement.tilt @ (placement.positions[number] - height)
         return pose_body(self.body, person.rest, rotations, position)
+
+
+def attire_meshes(
+    person: SyntheticPerson, frame: int, posed: PosedBody, down: NDArray[np.float64]
+) -> list[tuple[Mesh, NDArray[np.int32]]]:
+    """Return the surfaces of what a person wears and carries, with the part of each triangle.
+
+    Args:
+        person: the person.
+        frame: the frame's number.
+        posed: the body in that frame.
+        down: the direction of gravity in the body's frame, shape (3,).
+    """
+    if person.attire is None:
+        return []
+    attire = person.attire
+    outfit = attire.seated_outfit if person.seated[frame] else attire.outfit
+    worn = Mesh(outfit.posed(person.rest, posed), outfit.triangles.astype(np.int64))
+    meshes = [(worn, outfit.parts)]
+    if len(person.seated) == 1:  # in a video, a load would come and go with the pose
+        load = carried_load(attire.carried, posed.joints, down)
+        meshes.append((load.mesh, load.parts))
+    return meshes
 
 
 def spread_vertices(body: BodyModel) -> NDArray[np.int64]:
