@@ -25,6 +25,7 @@ from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.numerics.jit import exact_kernel
 from lsc_pose_ros.synthetic.body.body_mesh import PosedBody
 from lsc_pose_ros.synthetic.body.skin_parts import skin_parts
 from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson, attire_meshes
@@ -259,7 +260,8 @@ class _ClipGenerator:
             draw_over(image, body)
         if state.room is not None:
             render_room(image, state.room, state.placement.tilt, self._camera)
-        image = _in_millimetres(apply_sensor(self._sensor.noise, image, self._camera, random))
+        image = apply_sensor(self._sensor.noise, image, self._camera, random)
+        round_to_millimetres(image.depth)
         clear_margins(image, state.margins)
         labels, parts = split_codes(image.labels)
         joints = np.array([body.joints for body in posed]).reshape(-1, len(JOINT_NAMES), 3)
@@ -320,7 +322,10 @@ def _scenes(generator: _ClipGenerator) -> Iterator[SyntheticScene]:
             yield scene._replace(frame=scene.frame._replace(stamp=stamp))
 
 
-def _in_millimetres(image: DepthImage) -> DepthImage:
-    """Return `image` with depth rounded to whole millimetres, as in a 16UC1 message."""
-    whole = np.rint(image.depth.astype(np.float64) * 1000)
-    return image._replace(depth=(whole / 1000).astype(np.float32))
+@exact_kernel
+def round_to_millimetres(depth: NDArray[np.float32]) -> None:
+    """Round depth to whole millimetres, in place, as in a 16UC1 message."""
+    height, width = depth.shape
+    for row in range(height):
+        for column in range(width):
+            depth[row, column] = np.rint(float(depth[row, column]) * 1000.0) / 1000.0

@@ -35,6 +35,9 @@ for settings in (
     SyntheticSettings(frames=40, clip_length=4, yaw=180.0),
     SyntheticSettings(frames=12, clip_length=6, people=3, rate=30.0, background=True,
                       distance=(2.0, 5.0)),
+    SyntheticSettings(frames=40, clip_length=4, people=2, furniture=True, yaw=180.0,
+                      distance=(1.0, 5.0)),
+    SyntheticSettings(frames=12, clip_length=6, furniture=True, rate=30.0, sensor='realsense'),
     *(SyntheticSettings(frames=3, clip_length=3, sensor=name, distance=(3.0, 5.0),
                         background=background)
       for name in ('kinect_v2', 'azure', 'realsense', 'zed', 'tof')

@@ -154,7 +154,8 @@ def draw_triangle(
         image: the image.
     """
     ax, ay, bx, by, cx, cy = corners
-    height, width = image.depth.shape
+    depth, labels = image  # access to arrays in tuples is slow in a loop
+    height, width = depth.shape
     # Most triangles are small and contain no centre of a pixel.
     left = max(-(-min(ax, bx, cx) // SUBPIXELS), 0)
     right = min(max(ax, bx, cx) // SUBPIXELS, width - 1)
@@ -164,16 +165,25 @@ def draw_triangle(
         return
     inverse_a, inverse_b = 1.0 / (area * depths[0]), 1.0 / (area * depths[1])
     inverse_c = 1.0 / (area * depths[2])
+    # How the areas change from one column to the next.
+    step_a, step_b, step_c = SUBPIXELS * (by - cy), SUBPIXELS * (cy - ay), SUBPIXELS * (ay - by)
+    x = left * SUBPIXELS
     for row in range(top, bottom + 1):
         y = row * SUBPIXELS
+        of_a = (cx - bx) * (y - by) - (cy - by) * (x - bx) - step_a
+        of_b = (ax - cx) * (y - cy) - (ay - cy) * (x - cx) - step_b
+        of_c = (bx - ax) * (y - ay) - (by - ay) * (x - ax) - step_c
+        entered = False
         for column in range(left, right + 1):
-            x = column * SUBPIXELS
-            of_a = (cx - bx) * (y - by) - (cy - by) * (x - bx)
-            of_b = (ax - cx) * (y - cy) - (ay - cy) * (x - cx)
-            of_c = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+            of_a += step_a
+            of_b += step_b
+            of_c += step_c
             if of_a < 0 or of_b < 0 or of_c < 0:
+                if entered:  # the triangle is convex
+                    break
                 continue
+            entered = True
             z = np.float32(1.0 / (of_a * inverse_a + of_b * inverse_b + of_c * inverse_c))
-            if z < image.depth[row, column]:
-                image.depth[row, column] = z
-                image.labels[row, column] = label
+            if z < depth[row, column]:
+                depth[row, column] = z
+                labels[row, column] = label

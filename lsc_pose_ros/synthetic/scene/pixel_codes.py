@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.numerics.jit import exact_kernel
 from lsc_pose_ros.synthetic.body.skin_parts import NO_PART
 
 _PARTS = 32
@@ -35,7 +36,24 @@ def pixel_codes(body: int, parts: NDArray[np.int32]) -> NDArray[np.int32]:
 
 def split_codes(codes: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
     """Return the body of each pixel or NO_BODY, and its part or NO_PART."""
-    seen = codes != NO_BODY
-    labels = np.where(seen, codes // _PARTS, NO_BODY).astype(np.int32)
-    parts = np.where(seen, codes % _PARTS, NO_PART).astype(np.uint8)
+    labels = np.empty(codes.shape, np.int32)
+    parts = np.empty(codes.shape, np.uint8)
+    split_into(codes, labels, parts)
     return labels, parts
+
+
+@exact_kernel
+def split_into(
+    codes: NDArray[np.int32], labels: NDArray[np.int32], parts: NDArray[np.uint8]
+) -> None:
+    """Fill `labels` and `parts`."""
+    height, width = codes.shape
+    for row in range(height):
+        for column in range(width):
+            code = codes[row, column]
+            if code == NO_BODY:
+                labels[row, column] = NO_BODY
+                parts[row, column] = NO_PART
+            else:
+                labels[row, column] = code // _PARTS
+                parts[row, column] = code % _PARTS

@@ -130,6 +130,9 @@ def draw_box(
     cosine, sine = room.rotations[box, 0], room.rotations[box, 1]
     cx, cy, cz = -room.centres[box, 0], -room.centres[box, 1], -room.centres[box, 2]
     origin = (cosine * cx - sine * cz, cy, sine * cx + cosine * cz)
+    halves = room.halves[box]
+    inside = abs(origin[0]) < halves[0] and abs(origin[1]) < halves[1]
+    inside = inside and abs(origin[2]) < halves[2]
     for row in range(rows[0], rows[1]):
         y = (row - camera.cy) / camera.fy
         for column in range(columns[0], columns[1]):
@@ -138,14 +141,34 @@ def draw_box(
             level_y = tilt[0, 1] * x + tilt[1, 1] * y + tilt[2, 1]
             level_z = tilt[0, 2] * x + tilt[1, 2] * y + tilt[2, 2]
             ray = (cosine * level_x - sine * level_z, level_y, sine * level_x + cosine * level_z)
-            enters, leaves = cross_box(origin, ray, room.halves[box])
-            depth = np.float32(enters if enters > 0.0 else leaves)
-            if enters > leaves or not depth > 0.0:
-                continue
+            if inside:
+                depth = np.float32(leave_box(origin, ray, halves))
+            else:
+                enters, leaves = cross_box(origin, ray, halves)
+                depth = np.float32(enters if enters > 0.0 else leaves)
+                if enters > leaves or not depth > 0.0:
+                    continue
             drawn = image.depth[row, column]
             if drawn == 0.0 or depth < drawn:
                 image.depth[row, column] = depth
                 image.labels[row, column] = NO_BODY
+
+
+@exact_kernel
+def leave_box(
+    origin: tuple[float, float, float],
+    ray: tuple[float, float, float],
+    halves: NDArray[np.float64],
+) -> float:
+    """Return the parameter t at which a ray from inside a box leaves it; see `cross_box`."""
+    leaves = math.inf
+    for axis in range(3):
+        direction = ray[axis]
+        if direction > 0.0:
+            leaves = min(leaves, (halves[axis] - origin[axis]) / direction)
+        elif direction < 0.0:
+            leaves = min(leaves, (-halves[axis] - origin[axis]) / direction)
+    return leaves
 
 
 @exact_kernel
