@@ -40,7 +40,7 @@ for settings in (
     SyntheticSettings(frames=12, clip_length=6, furniture=True, rate=30.0, sensor='realsense'),
     *(SyntheticSettings(frames=3, clip_length=3, sensor=name, distance=(3.0, 5.0),
                         background=background)
-      for name in ('kinect_v2', 'azure', 'realsense', 'zed', 'tof')
+      for name in ('kinect_v2', 'azure', 'realsense', 'realsense_filtered', 'zed', 'tof')
       for background in (False, True)),
 ):
     for frame in synthetic_frames(settings):

@@ -35,6 +35,7 @@ from lsc_pose_ros.synthetic.sensors.triangulation import (
 from lsc_pose_ros.synthetic.sensors.triangulation_sensors import (
     KINECT_V1,
     REALSENSE,
+    REALSENSE_FILTERED,
     ZED,
     Triangulation,
 )
@@ -73,6 +74,8 @@ SENSORS: dict[str, Sensor] = {
         Sensor('azure', 640, 576, 75.0, 0.5, 3.86, 'azure'),
         # D435; its data sheet: up to about 10 m.
         Sensor('realsense', 848, 480, 87.0, 0.3, 10.0, 'realsense'),
+        # D435, aligned to its colour camera (69 degrees wide at 16:9, here 4:3).
+        Sensor('realsense_filtered', 640, 480, 54.8, 0.3, 10.0, 'realsense_filtered'),
         # ZED 2, mode WVGA; its data sheet: 0.3 to 20 m.
         Sensor('zed', 672, 376, 87.0, 0.3, 20.0, 'zed'),
         # Like a SwissRanger SR4000, which measures distances modulo 5 m.
@@ -86,6 +89,7 @@ _MODELS: dict[str, Triangulation | TimeOfFlight] = {
     'kinect_v2': KINECT_V2,
     'azure': AZURE,
     'realsense': REALSENSE,
+    'realsense_filtered': REALSENSE_FILTERED,
     'zed': ZED,
     'tof': TOF,
 }

@@ -42,11 +42,19 @@ from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.numerics.jit import exact_kernel
 from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
 from lsc_pose_ros.synthetic.sensors.correlated_noise import correlated_field
+from lsc_pose_ros.synthetic.sensors.disparity_filters import (
+    fill_holes,
+    smooth,
+    smoothing_factor,
+)
 from lsc_pose_ros.synthetic.sensors.optics import DepthRange, nearest_pixel, slope
 from lsc_pose_ros.synthetic.sensors.triangulation_sensors import Triangulation
 
 HALF_PIXEL = 0.5
 """Half the width of a pixel, pixels."""
+
+EDGE = 0.05
+"""Least difference of 1/z between neighbours at an edge that filters keep, 1/m; our choice."""
 
 RANGE_FADING = 0.25
 """The loss rises from 0 at the end of the range to 1 at this fraction beyond it; our choice."""
@@ -107,9 +115,29 @@ def apply_triangulation(
     averaged = average_window(
         matched.inverse_depth, round(sensor.averaging * scale), sensor.max_difference
     )
+    if sensor.smoothing:
+        apply_filters(sensor, averaged, matched.labels, scale, random)
     noisy = DepthImage(np.empty(shape, np.float32), matched.labels)
     quantise(averaged, noise, sensor, noisy)
     return noisy
+
+
+def apply_filters(
+    sensor: Triangulation,
+    inverse_depth: NDArray[np.float32],
+    labels: NDArray[np.int32],
+    scale: float,
+    random: np.random.Generator,
+) -> None:
+    """Fill holes and smooth 1/z, in place, as the driver of `sensor` does.
+
+    Half of the images keep large edges.
+    """
+    strength, keeps_edges = random.random(2)
+    limit = EDGE if keeps_edges < 0.5 else math.inf
+    fill_holes(inverse_depth, labels, round(sensor.filling * scale))
+    factor = smoothing_factor(sensor.smoothing * scale * (0.2 + 0.8 * float(strength)))
+    smooth(inverse_depth, factor, limit)
 
 
 @exact_kernel
