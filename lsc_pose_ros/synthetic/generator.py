@@ -15,7 +15,7 @@
 
 """Generates synthetic frames: people in front of a depth camera, with exact masks and joints."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +31,8 @@ from lsc_pose_ros.synthetic.body.skin_parts import skin_parts
 from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson, attire_meshes
 from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.depth_image import DepthImage
-from lsc_pose_ros.synthetic.scene.framing import Margins, clear_margins, sample_framing
+from lsc_pose_ros.synthetic.scene.depth_loss import DepthLoss, apply_loss, sample_loss
+from lsc_pose_ros.synthetic.scene.framing import Framing, Margins, clear_margins, sample_framing
 from lsc_pose_ros.synthetic.scene.furnishing import furnish
 from lsc_pose_ros.synthetic.scene.joint_visibility import joint_visibility
 from lsc_pose_ros.synthetic.scene.mesh_render import RenderMesh, draw_over, render_meshes
@@ -39,7 +40,6 @@ from lsc_pose_ros.synthetic.scene.near_plane import cut_at_near_plane
 from lsc_pose_ros.synthetic.scene.pixel_codes import pixel_codes, split_codes
 from lsc_pose_ros.synthetic.scene.placement import (
     CameraConstraints,
-    PersonExtent,
     ScenePlacement,
     sample_placement,
 )
@@ -135,6 +135,7 @@ class _SceneState(NamedTuple):
     room: Room | None
     furniture: tuple[RenderMesh, ...] = ()
     margins: Margins = Margins()
+    loss: DepthLoss = DepthLoss()
 
 
 class _Generators(NamedTuple):
@@ -191,9 +192,8 @@ class _ClipGenerator:
 
     def _place(self, people: list[SyntheticPerson], random: _Generators) -> _SceneState:
         """Sample a placement and, if the settings want one, a room that hides nobody."""
-        people, placement = self._placement(
-            people, self._constraints, lambda person: person.extent, random
-        )
+        framings = [Framing(self._constraints)] * _PLACEMENT_TRIES
+        people, placement = self._placement(people, framings, random)
         room = None
         if self.settings.background:
             extents = [person.extent for person in people]
@@ -204,7 +204,9 @@ class _ClipGenerator:
         """Sample a placement in a furnished room."""
         stream = RandomStream(random.room, _FURNISHING_NUMBERS)
         framing = sample_framing(self._constraints, stream)
-        people, placement = self._placement(people, framing.constraints, framing.extent, random)
+        half = _PLACEMENT_TRIES // 2
+        framings = [framing] * half + [framing.relaxed()] * half
+        people, placement = self._placement(people, framings, random)
         occupants = [
             self._sampler.occupant(person, placement, number)
             for number, person in enumerate(people)
@@ -214,31 +216,38 @@ class _ClipGenerator:
         mesh = join([piece.mesh for piece in furnishing.pieces])
         seen = cut_at_near_plane(mesh._replace(vertices=mesh.vertices @ placement.tilt.T))
         drawn = RenderMesh(seen.vertices, seen.triangles.astype(np.uint16), NO_BODY)
-        return _SceneState(people, placement, furnishing.walls, (drawn,), framing.margins)
+        loss = sample_loss(len(people), stream)
+        if self._sensor.noise == 'none':
+            loss = DepthLoss()
+        return _SceneState(people, placement, furnishing.walls, (drawn,), framing.margins, loss)
 
     def _placement(
         self,
         people: list[SyntheticPerson],
-        constraints: CameraConstraints,
-        extent_of: Callable[[SyntheticPerson], PersonExtent],
+        framings: Sequence[Framing],
         random: _Generators,
     ) -> tuple[list[SyntheticPerson], ScenePlacement]:
-        """Sample a placement; if none is possible, sample other motions of the same bodies."""
-        for left in reversed(range(_PLACEMENT_TRIES)):
-            extents = [extent_of(person) for person in people]
+        """Sample a placement; if none is possible, sample other motions of the same bodies.
+
+        Each element of `framings` is tried once.
+
+        Raises:
+            InputError: no placement is possible.
+        """
+        for framing in framings[:-1]:
+            extents = [framing.extent(person) for person in people]
             try:
-                return people, sample_placement(extents, constraints, random.people)
+                return people, sample_placement(extents, framing.constraints, random.people)
             except InputError:
-                if not left:
-                    raise
-                count = len(people[0].pelvis_heights)
-                people = [
-                    self._sampler.sample_person(each.rest, count, random.people)._replace(
-                        attire=each.attire
-                    )
-                    for each in people
-                ]
-        raise AssertionError  # the last try returns or raises
+                people = [self._move_otherwise(person, random) for person in people]
+        extents = [framings[-1].extent(person) for person in people]
+        return people, sample_placement(extents, framings[-1].constraints, random.people)
+
+    def _move_otherwise(self, person: SyntheticPerson, random: _Generators) -> SyntheticPerson:
+        """Return the same person with another motion."""
+        count = len(person.pelvis_heights)
+        moved = self._sampler.sample_person(person.rest, count, random.people)
+        return moved._replace(attire=person.attire)
 
     def _render(
         self, state: _SceneState, index: int, random: np.random.Generator
@@ -261,6 +270,7 @@ class _ClipGenerator:
         if state.room is not None:
             render_room(image, state.room, state.placement.tilt, self._camera)
         image = apply_sensor(self._sensor.noise, image, self._camera, random)
+        apply_loss(image, state.loss, random)
         round_to_millimetres(image.depth)
         clear_margins(image, state.margins)
         labels, parts = split_codes(image.labels)

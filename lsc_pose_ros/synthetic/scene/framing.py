@@ -31,6 +31,7 @@ _CLOSE_FRACTION = 0.6  # of the cropped scenes, with people at the near end of t
 _CLOSE_RANGE = 0.35  # that end, as a fraction of the range
 _BEARING_DIFFERENCE = (1.0, 9.0)  # of two people, degrees
 _PEOPLE_GAP = 0.01  # metres
+_TOGETHER_FRACTION = 0.4  # of the scenes, with people close to each other
 _MARGIN_FRACTION = 1 / 3
 _WIDEST_MARGIN = 0.08  # as a fraction of the image's width or height
 
@@ -57,8 +58,13 @@ class Framing(NamedTuple):
     """
 
     constraints: CameraConstraints
-    kept: str
-    margins: Margins
+    kept: str = 'torso'
+    margins: Margins = Margins()
+
+    def relaxed(self) -> 'Framing':
+        """Return a framing that is easier to satisfy: people can be cut off and be apart."""
+        easier = self.constraints._replace(cropped=True, together=False, bearing_difference=0.0)
+        return self._replace(constraints=easier)
 
     def extent(self, person: SyntheticPerson) -> PersonExtent:
         """Return the extent of a person with the joint that is in view."""
@@ -82,6 +88,7 @@ def sample_framing(constraints: CameraConstraints, stream: RandomStream) -> Fram
             cropped=cropped,
             bearing_difference=float(np.radians(stream.between(*_BEARING_DIFFERENCE))),
             people_gap=_PEOPLE_GAP,
+            together=stream.bernoulli(_TOGETHER_FRACTION),
         ),
         kept,
         Margins(

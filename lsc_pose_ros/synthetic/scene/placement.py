@@ -34,6 +34,7 @@ MIN_BEARING_DIFFERENCE = float(np.radians(9.0))
 """Minimum difference between the bearings of two people, so that nobody is completely hidden."""
 
 _TRIES = 200  # heights and tilts of the camera that are tried
+_TOGETHER = 1.6  # side of the square around the first person in which others stay, metres
 _POSITIONS = 8  # positions that are tried per person and try
 
 # Horizontal directions of the planes that separate people.
@@ -84,6 +85,7 @@ class CameraConstraints(NamedTuple):
         cropped: whether only the trunk has to be in view.
         bearing_difference: smallest difference between the bearings of two people, radians.
         people_gap: smallest distance between two people, metres.
+        together: whether all people stay close to the first one.
     """
 
     camera: Intrinsics
@@ -95,6 +97,7 @@ class CameraConstraints(NamedTuple):
     cropped: bool
     bearing_difference: float = MIN_BEARING_DIFFERENCE
     people_gap: float = PEOPLE_GAP
+    together: bool = False
 
 
 def sample_placement(
@@ -144,9 +147,16 @@ def _try_placement(
             return None
         for sideways, away in uniforms[1 + person * _POSITIONS :][:_POSITIONS]:
             distance = _interpolate((near, far), away)
+            if constraints.together and positions:
+                distance = positions[0][2] + (away - 0.5) * _TOGETHER
             left, right = frustum.sideways(height, distance)
-            position = np.array([_interpolate((left, right), sideways), height, distance])
-            if left <= right and _is_free(extents, positions, position, constraints):
+            lateral = _interpolate((left, right), sideways)
+            if constraints.together and positions:
+                lateral = positions[0][0] + (sideways - 0.5) * _TOGETHER
+            if not (near <= distance <= far and left <= lateral <= right):
+                continue
+            position = np.array([lateral, height, distance])
+            if _is_free(extents, positions, position, constraints):
                 positions.append(position)
                 break
         else:

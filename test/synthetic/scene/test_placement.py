@@ -127,6 +127,19 @@ def test_cropped_people_keep_their_trunk_in_view() -> None:
     assert cut == 20
 
 
+def test_people_can_stay_together_and_overlap_in_the_image() -> None:
+    people = [column(1.7), column(1.6), column(1.8)]
+    view = VIEW._replace(together=True, bearing_difference=0.02, people_gap=0.01, cropped=True)
+    nearest = []
+    for seed in range(20):
+        positions = sample_placement(people, view, source(seed)).positions[:, [0, 2]]
+        distances = np.linalg.norm(positions[1:] - positions[0], axis=1)
+        assert distances.max() <= 0.8 * 2**0.5
+        assert distances.min() >= 0.6
+        nearest.append(distances.min())
+    assert np.min(nearest) < 0.8
+
+
 def test_impossible_placement_is_refused() -> None:
     with pytest.raises(InputError, match=r'no placement found for a person .* 1 and 1\.5 m'):
         sample_placement([column(1.8)], VIEW._replace(distance=(1.0, 1.5)), source(0))
