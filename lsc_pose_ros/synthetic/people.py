@@ -26,7 +26,7 @@ from lsc_pose_ros.synthetic.body.body_mesh import PosedBody, RestBody, pose_body
 from lsc_pose_ros.synthetic.body.clothes import clothes_regions, dress
 from lsc_pose_ros.synthetic.body.population import BodySampler, Population
 from lsc_pose_ros.synthetic.mocap.mocap import Mocap, load_mocap
-from lsc_pose_ros.synthetic.motion.motion import Motion, sample_motion
+from lsc_pose_ros.synthetic.motion.motion import Motion, RestingFractions, sample_motion
 from lsc_pose_ros.synthetic.outfit.carried import CarriedSize, carried_load, sample_carried
 from lsc_pose_ros.synthetic.outfit.garments import sample_garments
 from lsc_pose_ros.synthetic.outfit.outfit import Outfit, outfit_of
@@ -44,8 +44,11 @@ _DIRECTIONS = np.array(
 
 _SPREAD = 0.04  # edge of the cubes of `spread_vertices`, metres
 
-SEATED_FRACTION = 0.25
-"""Fraction of people on a seat, in furnished rooms."""
+RESTING = RestingFractions(seated=0.25, lying=0.05)
+"""Fractions of people who sit on a seat or lie, in furnished rooms."""
+
+_BEDDED_FRACTION = 0.6  # of those who lie, on a bed or sofa; the others lie on the floor
+_BED_HEIGHTS = (0.3, 0.65)  # metres
 
 
 class Attire(NamedTuple):
@@ -53,13 +56,25 @@ class Attire(NamedTuple):
 
     Attributes:
         outfit: follows the bones.
-        seated_outfit: the same without what is in the way of a seat.
+        seated_outfit: the same without what is in the way of a seat or bed.
         carried: what the hands carry if the pose allows it.
     """
 
     outfit: Outfit
     seated_outfit: Outfit
     carried: CarriedSize
+
+
+class Lying(NamedTuple):
+    """How a person lies in T frames.
+
+    Attributes:
+        lies: whether the person lies, shape (T,).
+        lift: height of the bed or sofa below, metres, shape (T,); 0 is the floor.
+    """
+
+    lies: NDArray[np.bool_]
+    lift: NDArray[np.float64]
 
 
 class SyntheticPerson(NamedTuple):
@@ -75,6 +90,7 @@ class SyntheticPerson(NamedTuple):
         joints: the joints, in the same frame, metres, shape (T, 20, 3).
         seated: whether the person sits on a seat, shape (T,).
         attire: what the person wears and carries; None if only tight clothes.
+        lying: how a person lies, or None if the person never does.
     """
 
     rest: RestBody
@@ -84,6 +100,7 @@ class SyntheticPerson(NamedTuple):
     joints: NDArray[np.float64]
     seated: NDArray[np.bool_]
     attire: Attire | None = None
+    lying: Lying | None = None
 
     def single_frame(self, frame: int) -> 'SyntheticPerson':
         """Return the person with one frame only."""
@@ -96,6 +113,7 @@ class SyntheticPerson(NamedTuple):
             self.joints[one],
             self.seated[one],
             self.attire,
+            self.lying and Lying(self.lying.lies[one], self.lying.lift[one]),
         )
 
 
@@ -127,7 +145,7 @@ class PersonSampler:
         self._spread_regions = regions_of(self._spread_body)
         self._mocap = _selected_mocap(settings)
         self._mocap_fraction = settings.mocap_fraction
-        self._seated_fraction = SEATED_FRACTION if settings.furniture else None
+        self._resting = RESTING if settings.furniture else None
 
     def sample_body(self, random: np.random.Generator) -> RestBody:
         """Sample a dressed body in the rest pose.
@@ -162,8 +180,30 @@ class PersonSampler:
         if captured and self._mocap:
             motion = self._mocap.sample(*given)
         else:
-            motion = sample_motion(*given, seated_fraction=self._seated_fraction)
-        return self.stand_on_floor(rest, motion)
+            motion = sample_motion(*given, fractions=self._resting)
+        person = self.stand_on_floor(rest, motion)
+        if motion.lying is not None and motion.lying.any():
+            return self._on_beds(person, motion.lying, random)
+        return person
+
+    def _on_beds(
+        self, person: SyntheticPerson, lying: NDArray[np.bool_], random: np.random.Generator
+    ) -> SyntheticPerson:
+        """Raise a person in some of the frames with `lying` to the height of a bed."""
+        frames = 1 if self._rate else len(lying)
+        low, high = _BED_HEIGHTS
+        raised = (random.random(frames) < _BEDDED_FRACTION) * (
+            low + (high - low) * random.random(frames)
+        )
+        lift = np.where(lying, raised, 0.0)
+        up = np.array([0.0, -1.0, 0.0]) * lift[:, None, None]
+        extent = PersonExtent(person.extent.points + up, person.extent.trunk + up[:, 0])
+        return person._replace(
+            pelvis_heights=person.pelvis_heights + lift,
+            extent=extent,
+            joints=person.joints + up,
+            lying=Lying(lying, lift),
+        )
 
     def stand_on_floor(self, rest: RestBody, motion: Motion) -> SyntheticPerson:
         """Return the person who moves by `motion`, lowest point on the floor in each frame."""
@@ -200,7 +240,11 @@ class PersonSampler:
             ]
         )
         return Occupant(
-            points, self._spread_regions, person.joints + position, bool(person.seated.all())
+            points,
+            self._spread_regions,
+            person.joints + position,
+            seated=bool(person.seated.all()),
+            raised=person.lying is not None and bool(person.lying.lift.all()),
         )
 
     def pose_in_camera(
@@ -235,10 +279,13 @@ def attire_meshes(
     if person.attire is None:
         return []
     attire = person.attire
-    outfit = attire.seated_outfit if person.seated[frame] else attire.outfit
+    resting = person.seated[frame] or (person.lying is not None and person.lying.lies[frame])
+    outfit = attire.seated_outfit if resting else attire.outfit
     worn = Mesh(outfit.posed(person.rest, posed), outfit.triangles.astype(np.int64))
     meshes = [(worn, outfit.parts)]
-    if len(person.seated) == 1:  # in a video, a load would come and go with the pose
+    if (
+        len(person.seated) == 1 and person.lying is None
+    ):  # in a video, a load would come and go with the pose
         load = carried_load(attire.carried, posed.joints, down)
         meshes.append((load.mesh, load.parts))
     return meshes

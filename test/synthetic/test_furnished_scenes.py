@@ -96,7 +96,7 @@ def test_seats_touch_those_who_sit_on_them(
     for occupants, furnishing in furnished:
         for occupant, seat in zip(occupants, furnishing.seats, strict=True):
             if not occupant.seated:
-                assert seat is None
+                assert seat is None or occupant.raised
                 continue
             seated += 1
             if seat is None:
@@ -105,6 +105,36 @@ def test_seats_touch_those_who_sit_on_them(
             touched += not is_clear(seat.blocks, bottom, 0.02)
     assert 0.12 * 2 * len(furnished) < seated < 0.4 * 2 * len(furnished)
     assert touched >= 0.9 * seated
+
+
+def test_people_who_lie_are_level_and_touch_bed_or_floor() -> None:
+    sampler = PersonSampler(FURNISHED)
+    random = np.random.default_rng(8)
+    rest = sampler.sample_body(random)
+    placement = ScenePlacement(np.eye(3), np.array([[0.0, HEIGHT, 3.0]]), HEIGHT)
+    lying = on_bed = supported = 0
+    people = [sampler.sample_person(rest, 40, random) for _ in range(8)]
+    for person in people:
+        if person.lying is None:
+            continue
+        for frame in np.flatnonzero(person.lying.lies):
+            one = person.single_frame(int(frame))
+            occupant = sampler.occupant(one, placement, 0)
+            lift = person.lying.lift[frame]
+            lying += 1
+            on_bed += lift > 0
+            assert not occupant.seated
+            assert occupant.raised == (lift > 0)
+            assert abs(occupant.joint('head')[1] - occupant.joint('pelvis')[1]) < 0.45
+            lowest = HEIGHT - occupant.points[..., 1].max()
+            assert lowest == pytest.approx(lift, abs=0.03)
+            bed = furnish([occupant], HEIGHT, 0.5, RandomStream(random, 8192)).seats[0]
+            if bed is not None:
+                supported += 1
+                assert not is_clear(bed.blocks, occupant.points.reshape(-1, 3), 0.02)
+    assert 5 <= lying < 0.15 * 320
+    assert 0 < on_bed < lying
+    assert supported >= 0.8 * on_bed
 
 
 def test_furniture_hides_parts_of_people(scenes: list[SyntheticScene]) -> None:

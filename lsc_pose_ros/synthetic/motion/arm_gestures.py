@@ -99,6 +99,7 @@ def sample_arms(collision_body: CollisionBody, lower_body: BodyPose, stream: Ran
 _BOTH_ARMS_PROBABILITY = {
     'stand': 0.32,
     'idle': 0.65,
+    'lie': 0.0,
     'stoop': 0.15,
     'sit': 0.25,
     'sit_on_floor': 0.25,
@@ -109,6 +110,7 @@ _STANDING = ((0.3, 'hang'), (0.2, 'habit'), (0.25, 'reach'), (0.15, 'touch'), (0
 _ONE_ARM_GESTURES: dict[str, tuple[tuple[float, str], ...]] = {
     'stand': _STANDING,
     'idle': _STANDING,
+    'lie': ((0.8, 'hang'), (0.2, 'touch')),
     'stoop': ((0.6, 'down'), (0.1, 'hang'), (0.1, 'reach'), (0.15, 'touch'), (0.05, 'any')),
     'sit': _SITTING,
     'sit_on_floor': _SITTING,

@@ -89,8 +89,8 @@ class BodyPose(NamedTuple):
     """A pose and its kind.
 
     Attributes:
-        kind: 'stand', 'idle', 'stoop', 'sit' (on a seat), 'sit_on_floor' or 'walk'; decides
-            which arm gestures are likely.
+        kind: 'stand', 'idle', 'stoop', 'sit' (on a seat), 'sit_on_floor', 'lie' or 'walk';
+            decides which arm gestures are likely.
         angles: in the order of ANGLES, radians, shape (A,); not always within limits.
     """
 
@@ -279,6 +279,17 @@ def _kneel(rig: Rig, angles: _Angles, stream: RandomStream) -> None:
                         f'{side}ankle': stream.between(-25, 45)})  # fmt: skip
 
 
+def _lie(_rig: Rig, angles: _Angles, stream: RandomStream) -> None:
+    """Lie with stretched legs, or with one or both knees raised; `lying_rotation` turns it."""
+    _set(angles, lean=0.0, list=0.0, bend=stream.normal(8, 8), nod=stream.normal(10, 12))
+    for side in ('l_', 'r_'):
+        raised = stream.between(30, 80) if stream.bernoulli(0.3) else stream.normal(8, 8)
+        _set(angles, **{f'{side}hip_flexion': raised, f'{side}knee': 1.6 * abs(raised),
+                        f'{side}hip_abduction': stream.normal(6, 6),
+                        f'{side}hip_rotation': stream.normal(10, 14),
+                        f'{side}ankle': stream.normal(25, 12)})  # fmt: skip
+
+
 _Sampler = Callable[[Rig, _Angles, RandomStream], None]
 
 LowerBodyKinds = tuple[tuple[float, tuple[str, _Sampler]], ...]
@@ -302,6 +313,9 @@ AFOOT_KINDS: LowerBodyKinds = (
 
 SEATED_KINDS: LowerBodyKinds = ((1.0, ('sit', _sit)),)
 """Poses of people who sit on a seat."""
+
+LYING_KINDS: LowerBodyKinds = ((1.0, ('lie', _lie)),)
+"""Poses of people who lie."""
 
 
 def _foot(

@@ -33,6 +33,7 @@ from lsc_pose_ros.synthetic.body.self_collision import (
     deepest_penetration,
     fit_collision_body,
 )
+from lsc_pose_ros.synthetic.geometry.rotation_kernels import about_x, about_y
 from lsc_pose_ros.synthetic.motion.gait import stride_angles
 from lsc_pose_ros.synthetic.motion.joint_angles import (
     arms_to_cartesian,
@@ -41,6 +42,7 @@ from lsc_pose_ros.synthetic.motion.joint_angles import (
 )
 from lsc_pose_ros.synthetic.motion.lower_body_poses import (
     AFOOT_KINDS,
+    LYING_KINDS,
     SEATED_KINDS,
     BodyPose,
     LowerBodyKinds,
@@ -66,6 +68,18 @@ _STRIDE_KEYS = 10
 _FIRST_STEPS = 4
 
 
+class RestingFractions(NamedTuple):
+    """Fractions of the people who do not stand on their feet.
+
+    Attributes:
+        seated: on a seat.
+        lying: on a bed, a sofa or the floor.
+    """
+
+    seated: float
+    lying: float
+
+
 class Motion(NamedTuple):
     """A person's motion in T frames.
 
@@ -75,11 +89,13 @@ class Motion(NamedTuple):
         yaw: the direction that the person faces, radians, 0 towards the camera, positive to the
             person's left, shape (T,).
         seated: whether the person sits on a seat, shape (T,); None if that is unknown.
+        lying: whether the person lies, shape (T,); None if that is unknown.
     """
 
     rotations: NDArray[np.float64]
     yaw: NDArray[np.float64]
     seated: NDArray[np.bool_] | None = None
+    lying: NDArray[np.bool_] | None = None
 
 
 def sample_motion(
@@ -90,7 +106,7 @@ def sample_motion(
     widest_yaw: float,
     random: np.random.Generator,
     *,
-    seated_fraction: float | None = None,
+    fractions: RestingFractions | None = None,
 ) -> Motion:
     """Sample a person's motion in `count` frames.
 
@@ -101,32 +117,47 @@ def sample_motion(
         rate: frames per second; None samples independent poses.
         widest_yaw: largest absolute yaw, radians.
         random: the source of randomness.
-        seated_fraction: the fraction of poses or, with a rate, of people on a seat, who stay on
-            it; None samples the usual poses, in which nobody stays on a seat.
+        fractions: the fractions of poses or, with a rate, of people who sit or lie and stay so;
+            None samples the usual poses, in which nobody stays on a seat or lies.
 
     Returns:
         The motion; with a rate its velocity is continuous.
     """
     collision_body = fit_collision_body(body, rest)
     if rate is None:
-        kinds = [_sample_kinds(seated_fraction, random) for _ in range(count)]
+        kinds = [_sample_kinds(fractions, random) for _ in range(count)]
         poses = [_sample_any_pose(collision_body, random, each) for each in kinds]
         angles = np.array([pose.angles for pose in poses])
         yaw = widest_yaw * (2 * random.random(count) - 1)
-        seated = np.array([pose.kind == 'sit' for pose in poses])
+        kind_of = [pose.kind for pose in poses]
     else:
-        keys = _KeyPoses(collision_body, random, _sample_kinds(seated_fraction, random))
+        keys = _KeyPoses(collision_body, random, _sample_kinds(fractions, random))
         angles, yaw = _sample_smooth(keys, np.arange(count) / rate, widest_yaw, random)
-        seated = np.full(count, keys.seated)
-    return Motion(pose_rotations(collision_body.rig, angles), yaw, seated)
+        kind_of = [keys.resting or ''] * count
+    rotations = pose_rotations(collision_body.rig, angles)
+    lying = np.array([kind == 'lie' for kind in kind_of])
+    if lying.any():
+        turns = [_lying_rotation(RandomStream(random)) for _ in range(1 if rate else count)]
+        rotations[lying, 0] = (np.array(turns) @ rotations[:, 0])[lying]
+    return Motion(rotations, yaw, np.array([kind == 'sit' for kind in kind_of]), lying)
 
 
 def _sample_kinds(
-    seated_fraction: float | None, random: np.random.Generator
+    fractions: RestingFractions | None, random: np.random.Generator
 ) -> LowerBodyKinds | None:
-    if seated_fraction is None:
+    if fractions is None:
         return None
-    return SEATED_KINDS if random.random() < seated_fraction else AFOOT_KINDS
+    chosen = random.random()
+    if chosen < fractions.seated:
+        return SEATED_KINDS
+    return LYING_KINDS if chosen < fractions.seated + fractions.lying else AFOOT_KINDS
+
+
+def _lying_rotation(stream: RandomStream) -> NDArray[np.float64]:
+    """Return the rotation that lays a standing person on the back, a side or the front, (3, 3)."""
+    roll = stream.choose(((0.5, 0.0), (0.18, 90.0), (0.17, -90.0), (0.15, 180.0)))
+    upright = about_y(np.radians(stream.normal(roll, 14)))
+    return about_x(np.radians(stream.normal(-90, 4))) @ upright
 
 
 def interpolate_keys(
@@ -235,7 +266,7 @@ def _path_penetration(
 
 
 class _KeyPoses:
-    """A sequence of key poses with their times; people on a seat stay on it."""
+    """A sequence of key poses with their times; people who sit on a seat or lie stay so."""
 
     def __init__(
         self,
@@ -246,7 +277,7 @@ class _KeyPoses:
         self._collision_body = collision_body
         self._random = random
         self._kinds = kinds
-        self.seated = kinds is SEATED_KINDS
+        self.resting = {SEATED_KINDS: 'sit', LYING_KINDS: 'lie'}.get(kinds or ())
         self.times = [0.0]
         self.poses = [_sample_any_pose(collision_body, random, kinds)]
 
@@ -256,7 +287,7 @@ class _KeyPoses:
         actions = (
             (0.4, self._gesture), (0.2, self._repeat), (0.28, self._move), (0.12, self._walk),
         )  # fmt: skip
-        stream.choose(actions[:2] if self.seated else actions)(stream)
+        stream.choose(actions[:2] if self.resting else actions)(stream)
 
     def _add(self, pose: BodyPose, seconds: float) -> None:
         change = np.abs(

@@ -27,7 +27,7 @@ from lsc_pose_ros.synthetic.scene.occluders import piece_in_front
 from lsc_pose_ros.synthetic.scene.occupant import Occupant
 from lsc_pose_ros.synthetic.scene.piece import Piece
 from lsc_pose_ros.synthetic.scene.room import Room, sample_close_walls
-from lsc_pose_ros.synthetic.scene.seats import seat_under, table_before
+from lsc_pose_ros.synthetic.scene.seats import berth_under, seat_under, table_before
 
 PIECES = (3, 15)
 """Fewest and most pieces that are tried, not counting seats and what is in front of people."""
@@ -47,7 +47,7 @@ class Furnishing(NamedTuple):
     Attributes:
         walls: a room without boxes.
         pieces: the furniture.
-        seats: the seat of each person, or None.
+        seats: the seat or bed of each person, or None.
     """
 
     walls: Room
@@ -72,7 +72,7 @@ def furnish(
     walls = sample_close_walls(np.concatenate(spots), camera_height, uniforms)
     everybody = np.concatenate([np.zeros((0, 3)), *points])
     arrangement = Arrangement(walls, list(occupants), everybody, camera_height, view)
-    seats = [seat_under(each, arrangement, stream) if each.seated else None for each in occupants]
+    seats = [_support_under(each, arrangement, stream) for each in occupants]
     pieces = [seat for seat in seats if seat is not None]
     pieces += _before_people(arrangement, stream)
     if stream.bernoulli(_ARM_FRACTION):
@@ -82,6 +82,14 @@ def furnish(
         if piece is not None:
             pieces.append(piece)
     return Furnishing(walls, pieces, seats)
+
+
+def _support_under(
+    occupant: Occupant, arrangement: Arrangement, stream: RandomStream
+) -> Piece | None:
+    if occupant.seated:
+        return seat_under(occupant, arrangement, stream)
+    return berth_under(occupant, arrangement, stream) if occupant.raised else None
 
 
 def _before_people(arrangement: Arrangement, stream: RandomStream) -> list[Piece]:

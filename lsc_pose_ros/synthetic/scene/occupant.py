@@ -40,12 +40,14 @@ class Occupant(NamedTuple):
         regions: the region of each point: LIMB, SEAT or TRUNK, shape (P,).
         joints: metres, shape (T, 20, 3).
         seated: whether the person sits on a seat.
+        raised: whether the person lies on something that is higher than the floor.
     """
 
     points: NDArray[np.float64]
     regions: NDArray[np.int64]
     joints: NDArray[np.float64]
     seated: bool
+    raised: bool = False
 
     def joint(self, name: str) -> NDArray[np.float64]:
         """Return the mean position of a joint, shape (3,)."""

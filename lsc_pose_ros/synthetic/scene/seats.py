@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Seats under people who sit, and tables before them."""
+"""Seats under people who sit, tables before them, and beds under people who lie."""
 
 from typing import NamedTuple
 
@@ -22,9 +22,9 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.arrangement import Arrangement
-from lsc_pose_ros.synthetic.scene.furniture.seating import SEATS, SeatSize, stool
+from lsc_pose_ros.synthetic.scene.furniture.seating import SEATS, SeatSize, berth, stool
 from lsc_pose_ros.synthetic.scene.furniture.tables import desk, sample_table, table
-from lsc_pose_ros.synthetic.scene.occupant import SEAT, TRUNK, Occupant
+from lsc_pose_ros.synthetic.scene.occupant import SEAT, TRUNK, Occupant, unit
 from lsc_pose_ros.synthetic.scene.piece import Piece, front_axes
 
 CONTACT = -0.025
@@ -61,6 +61,27 @@ def seat_under(occupant: Occupant, arrangement: Arrangement, stream: RandomStrea
     size, ahead = shape.seat(0.24, 0.4, 0.0, 0.0)
     piece = stool(size, stream).placed(shape.position(ahead), occupant.front())
     return piece if arrangement.clear(piece, CONTACT) else None
+
+
+def berth_under(
+    occupant: Occupant, arrangement: Arrangement, stream: RandomStream
+) -> Piece | None:
+    """Return a bed or sofa under a person who lies above the floor, or None."""
+    front = unit((occupant.joint('pelvis') - occupant.joint('head'))[[0, 2]])
+    axes = front_axes(front)
+    pelvis = occupant.joint('pelvis')
+    origin = np.array([pelvis[0], arrangement.floor, pelvis[2]])
+    local = ((occupant.points - origin) @ axes).reshape(-1, 3)
+    low, high = local.min(axis=0), local.max(axis=0)
+    top = float(low[1]) + _PRESSED
+    for _ in range(_TRIES):
+        wide, long = high[0] - low[0] + stream.between(0.02, 0.5), high[2] - low[2] + 0.1
+        middle = 0.5 * (low + high)
+        spot = origin + middle[0] * axes[:, 0] + middle[2] * axes[:, 2]
+        piece = berth(float(wide), float(long), top, stream).placed(spot, front)
+        if arrangement.clear(piece, CONTACT):
+            return piece
+    return None
 
 
 def table_before(

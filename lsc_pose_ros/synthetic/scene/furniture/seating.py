@@ -170,6 +170,31 @@ def bed(stream: RandomStream) -> Piece:
     return builder.build()
 
 
+def berth(width: float, length: float, height: float, stream: RandomStream) -> Piece:
+    """Return a bed or a sofa for somebody who lies on it, the head at its back.
+
+    Args:
+        width: metres.
+        length: metres.
+        height: of the surface to lie on, metres.
+        stream: the source of randomness.
+    """
+    builder = PieceBuilder()
+    soft = min(stream.between(0.1, 0.25), 0.5 * height)
+    builder.box((0.0, 0.5 * (height - soft), 0.0), (width, height - soft, length))
+    builder.box((0.0, height - 0.5 * soft, 0.0), (width, soft, length))
+    kind, board = stream.uniform(), height + stream.between(0.1, 0.5)
+    if kind < 0.4:  # a bed
+        builder.box((0.0, 0.5 * board, -0.5 * length - 0.03), (width, board, 0.05))
+    elif kind < 0.75:  # a sofa with its back at one side
+        side = (0.5 * width + 0.09) * (1.0 if stream.bernoulli(0.5) else -1.0)
+        builder.cushion((side, 0.5 * board, 0.0), (0.18, board, length), 0.3)
+        for end in (-0.5, 0.5):
+            arm = height + stream.between(0.05, 0.25)
+            builder.cushion((0.0, 0.5 * arm, end * (length + 0.18)), (width, arm, 0.18), 0.3)
+    return builder.build()
+
+
 SEATS: tuple[tuple[float, Callable[[SeatSize, RandomStream], Piece]], ...] = (
     (0.28, chair), (0.16, office_chair), (0.12, stool), (0.1, box_seat), (0.16, armchair),
     (0.18, sofa),
