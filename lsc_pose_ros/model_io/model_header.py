@@ -33,7 +33,9 @@ are missing."""
 _NAMES_SINCE_VERSION_3 = {'facings': 'body_yaws'}
 """What settings were called in version 3, and what they are called now."""
 
-_NEW_IN_VERSION_5: dict[str, float] = {'occluder_step': Settings().occluder_step}
+_NEW_IN_VERSION_5: dict[str, float] = {
+    name: Settings()._asdict()[name] for name in ('occluder_step', 'sloppy_outline')
+}
 """Settings that older versions do not have, and the values that their models use."""
 
 _LARGEST_SETTING = 10_000

@@ -38,6 +38,8 @@ class Settings(NamedTuple):
             least this many of the eight are on it; 0: it stays a hole.
         occluder_step: a surface beside the body that is nearer than the body by more than this
             fraction of its depth hides it and makes no outline; 0: all beside it is background.
+        sloppy_outline: a mask is fitted to the depth if at least this fraction of its outline is
+            no step in depth; 0: none is.
         noise_factor: sigma and t_d are at least this many times the noise of the body's own depth;
             0: they are the same for all bodies.
         smoothing_sigma: sigma of the Gaussian over 3-D distances, metres (eq. 1).
@@ -68,6 +70,7 @@ class Settings(NamedTuple):
     neighbour_distance: float = 0.1
     fill_holes: int = 0
     occluder_step: float = 0.05
+    sloppy_outline: float = 0.5
     noise_factor: float = 0.0
     smoothing_sigma: float = 0.02
     edge_threshold: float = 0.04

@@ -181,7 +181,7 @@ def structure_of(model: Model) -> Structure:
 
 
 def _cut_out_window(settings: Settings, body: BodyEstimate) -> None:
-    window = body_window(body.depth, body.labels, body.number, settings)
+    window = body_window(body.depth, body.labels, body.camera, body.number, settings)
     if window is None:
         raise TooLittleVisibleError
     body.window = window

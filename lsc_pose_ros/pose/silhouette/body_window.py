@@ -18,24 +18,48 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.pose.settings import Settings
-from lsc_pose_ros.pose.silhouette.cuts import SceneImage, mark_cuts
+from lsc_pose_ros.pose.silhouette.cuts import SceneImage, background_is_measured, mark_cuts
+from lsc_pose_ros.pose.silhouette.mask_fit import (
+    labels_fitted_to_depth,
+    largest_error,
+    smooth_outline,
+)
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 from lsc_pose_ros.pose.silhouette.silhouette import cut_out
 
 
 def body_window(
-    depth: NDArray[np.float32], labels: NDArray[np.int32], body: int, settings: Settings
+    depth: NDArray[np.float32],
+    labels: NDArray[np.int32],
+    camera: Intrinsics,
+    body: int,
+    settings: Settings,
 ) -> Window | None:
     """Return the window of `body`, or None if none of its pixels has a depth.
 
     Args:
         depth: metres, 0 if the sensor measured nothing, shape (H, W).
         labels: the body number of each pixel, negative for none, shape (H, W).
+        camera: the intrinsics.
         body: the body's number.
-        settings: which holes are filled, and what hides a body.
+        settings: which holes are filled, which masks are sloppy, and what hides a body.
     """
     window = cut_out(depth, labels, body, settings.fill_holes)
     if window is None:
         return None
-    return mark_cuts(window, SceneImage(depth, labels, body), settings.occluder_step)
+    image = SceneImage(depth, labels, body)
+    if _is_sloppy(window, image, settings.sloppy_outline):
+        image = image._replace(labels=labels_fitted_to_depth(window, image, float(camera.fy)))
+        window = cut_out(depth, image.labels, body, settings.fill_holes)
+        if window is None:
+            return None
+    return mark_cuts(window, image, settings.occluder_step)
+
+
+def _is_sloppy(window: Window, image: SceneImage, limit: float) -> bool:
+    is_speck = max(window.depth.shape) < 2 * largest_error(image)
+    if limit <= 0 or is_speck or not background_is_measured(window, image):
+        return False
+    return smooth_outline(window, image) >= limit

@@ -82,7 +82,7 @@ def silhouette_pixels(frame: Frame, settings: Settings) -> NDArray[np.float32]:
     """Return the pixels (column, row) of all bodies' silhouette points E', shape (n, 2)."""
     pixels = [np.zeros((0, 2), np.float32)]
     for body in bodies_in(frame.labels):
-        window = body_window(frame.depth, frame.labels, int(body), settings)
+        window = body_window(frame.depth, frame.labels, frame.camera, int(body), settings)
         if window is not None:
             rays = image_rays(frame.camera, *frame.depth.shape)
             silhouette = find_silhouette(window, rays, settings)

@@ -21,6 +21,7 @@ import numpy as np
 import pytest
 from ragged_body import ragged_body
 
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.body_window import body_window
@@ -40,6 +41,7 @@ from lsc_pose_ros.pose.silhouette.silhouette import cut_out, find_edges
 BODY = 3
 STEP = 0.05
 HEIGHT, WIDTH = 60, 80
+CAMERA = Intrinsics(70.0, 70.0, 39.5, 29.5)
 
 
 def scene(background: float = 4.0) -> tuple[np.ndarray, np.ndarray]:
@@ -52,7 +54,7 @@ def scene(background: float = 4.0) -> tuple[np.ndarray, np.ndarray]:
 
 def marked(depth: np.ndarray, labels: np.ndarray) -> np.ndarray:
     """Return which pixels of the image are marked, shape (H, W)."""
-    window = body_window(depth, labels, BODY, Settings())
+    window = body_window(depth, labels, CAMERA, BODY, Settings())
     assert window is not None
     found = np.zeros((HEIGHT + 2, WIDTH + 2), np.bool_)
     rows, columns = window.depth.shape
@@ -173,7 +175,7 @@ def test_contact_with_a_nearer_surface_is_no_edge() -> None:
     depth, labels = scene()
     depth[35:], labels[35:] = 1.5, NO_BODY
     for step, count in ((STEP, 2), (0.0, 20)):
-        window = body_window(depth, labels, BODY, Settings(occluder_step=step))
+        window = body_window(depth, labels, CAMERA, BODY, Settings(occluder_step=step))
         assert window is not None
         edges = find_edges(window.depth, 0.04)
         lowest = edges[edges[:, 0] == 15]
@@ -231,7 +233,7 @@ def test_invalid_margin_is_outside_of_the_image(turns: int) -> None:
         invalid[38 + margin :] = 0
         mask[38 + margin :] = NO_BODY
         both = (np.ascontiguousarray(np.rot90(each, turns)) for each in (invalid, mask))
-        window = body_window(*both, BODY, Settings())
+        window = body_window(*both, CAMERA, BODY, Settings())
         assert window is not None
         found = np.rot90(window.depth, -turns)
         assert np.isnan(found[-1]).all()
@@ -258,4 +260,4 @@ def test_zero_marks_nothing() -> None:
 
 def test_body_without_depth_has_no_window() -> None:
     depth, labels = scene()
-    assert body_window(np.zeros_like(depth), labels, BODY, Settings()) is None
+    assert body_window(np.zeros_like(depth), labels, CAMERA, BODY, Settings()) is None
