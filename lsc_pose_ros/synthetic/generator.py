@@ -44,7 +44,7 @@ from lsc_pose_ros.synthetic.scene.placement import (
     sample_placement,
 )
 from lsc_pose_ros.synthetic.scene.room import Room, render_room, sample_room
-from lsc_pose_ros.synthetic.scene.shapes import Mesh, join
+from lsc_pose_ros.synthetic.scene.shapes import join
 from lsc_pose_ros.synthetic.sensors.sensors import apply_sensor
 from lsc_pose_ros.synthetic.settings import (
     SyntheticSettings,
@@ -256,36 +256,19 @@ class _ClipGenerator:
             self._sampler.pose_in_camera(person, index, state.placement, number)
             for number, person in enumerate(state.people)
         ]
-        down = state.placement.tilt[:, 1]
         alone = [
-            self._draw(
-                self._mesh(body, 1 + number),
-                *_attire(attire_meshes(state.people[number], index, body, down), 1 + number),
-            )
+            self._draw(*self._body_meshes(state, index, number, body))
             for number, body in enumerate(posed)
         ]
-        image = self._draw(*state.furniture)
-        for body in alone:
-            draw_over(image, body)
-        if state.room is not None:
-            render_room(image, state.room, state.placement.tilt, self._camera)
-        image = apply_sensor(self._sensor.noise, image, self._camera, random)
-        apply_loss(image, state.loss, random)
-        round_to_millimetres(image.depth)
-        clear_margins(image, state.margins)
+        image = self._measure(state, alone, random)
         labels, parts = split_codes(image.labels)
         joints = np.array([body.joints for body in posed]).reshape(-1, len(JOINT_NAMES), 3)
-        visibility = [
-            joint_visibility(
-                body.joints,
-                pixel_codes(1 + number, _JOINT_PARTS),
-                alone[number],
-                image,
-                self._camera,
-                state.margins,
+        seen = np.zeros(joints.shape[:2], np.uint8)
+        for number, each in enumerate(alone):
+            codes = pixel_codes(1 + number, _JOINT_PARTS)
+            seen[number] = joint_visibility(
+                joints[number], codes, each, image, self._camera, state.margins
             )
-            for number, body in enumerate(posed)
-        ]
         frame = Frame(
             stamp=0,
             frame_id=FRAME_ID,
@@ -294,22 +277,36 @@ class _ClipGenerator:
             camera=self._camera,
             ground_truth=_ground_truth(joints),
         )
-        seen = np.array(visibility, np.uint8).reshape(joints.shape[:2])
         return SyntheticScene(frame, parts, seen)
 
-    def _mesh(self, body: PosedBody, number: int) -> RenderMesh:
-        codes = pixel_codes(number, self._parts)
-        return RenderMesh(body.vertices, self._sampler.body.triangles, codes)
+    def _measure(
+        self, state: _SceneState, bodies: list[DepthImage], random: np.random.Generator
+    ) -> DepthImage:
+        """Return what the sensor measures of the room and of `bodies`, which are drawn alone."""
+        image = self._draw(*state.furniture)
+        for body in bodies:
+            draw_over(image, body)
+        if state.room is not None:
+            render_room(image, state.room, state.placement.tilt, self._camera)
+        image = apply_sensor(self._sensor.noise, image, self._camera, random)
+        apply_loss(image, state.loss, random)
+        round_to_millimetres(image.depth)
+        clear_margins(image, state.margins)
+        return image
+
+    def _body_meshes(
+        self, state: _SceneState, index: int, number: int, body: PosedBody
+    ) -> Iterator[RenderMesh]:
+        """Yield the surfaces of a person and of what the person wears and carries."""
+        codes = pixel_codes(1 + number, self._parts)
+        yield RenderMesh(body.vertices, self._sampler.body.triangles, codes)
+        down = state.placement.tilt[:, 1]
+        for mesh, parts in attire_meshes(state.people[number], index, body, down):
+            codes = pixel_codes(1 + number, parts)
+            yield RenderMesh(mesh.vertices, mesh.triangles.astype(np.uint16), codes)
 
     def _draw(self, *meshes: RenderMesh) -> DepthImage:
         return render_meshes(meshes, self._camera, self._sensor.width, self._sensor.height)
-
-
-def _attire(meshes: list[tuple[Mesh, NDArray[np.int32]]], number: int) -> Iterator[RenderMesh]:
-    for mesh, parts in meshes:
-        yield RenderMesh(
-            mesh.vertices, mesh.triangles.astype(np.uint16), pixel_codes(number, parts)
-        )
 
 
 def _ground_truth(joints: NDArray[np.float64]) -> Skeletons:

@@ -42,6 +42,8 @@ _DIRECTIONS = np.array(
 )
 
 
+_LEVEL_THIGH = 0.5  # largest sine of the slope of a thigh on a seat
+_BEHIND = 0.55  # distance of the trunk behind the ankles of who needs a seat, in thigh lengths
 _SPREAD = 0.04  # edge of the cubes of `spread_vertices`, metres
 
 RESTING = RestingFractions(seated=0.25, lying=0.05)
@@ -217,7 +219,7 @@ class PersonSampler:
         joints = np.array([each.joints for each in posed])
         joints[..., 1] -= pelvis_heights[:, None]
         extent = PersonExtent(points, joints[:, JOINT_NUMBERS['torso']])
-        seated = np.zeros(len(rotations), bool) if motion.seated is None else motion.seated
+        seated = looks_seated(joints) if motion.seated is None else motion.seated
         return SyntheticPerson(rest, rotations, pelvis_heights, extent, joints, seated)
 
     def occupant(
@@ -289,6 +291,29 @@ def attire_meshes(
         load = carried_load(attire.carried, posed.joints, down)
         meshes.append((load.mesh, load.parts))
     return meshes
+
+
+def looks_seated(joints: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return whether a person would fall backwards without a seat, in each frame, shape (T,).
+
+    Both thighs are roughly level, and the trunk is well behind the ankles.
+
+    Args:
+        joints: in a level frame, y down, metres, shape (T, 20, 3).
+    """
+    at = {name: joints[:, number] for name, number in JOINT_NUMBERS.items()}
+    across = (at['l_hip'] - at['r_hip'])[:, [0, 2]]
+    across /= np.sqrt((across**2).sum(axis=1, keepdims=True)) + 1e-9
+    ahead = np.stack([across[:, 1], -across[:, 0]], axis=1)
+    trunk = (at['pelvis'] + at['torso'] + at['neck']) / 3
+    seated = np.ones(len(joints), bool)
+    for side in ('l', 'r'):
+        thigh = at[f'{side}_knee'] - at[f'{side}_hip']
+        length = np.sqrt((thigh**2).sum(axis=1)) + 1e-9
+        behind = ((at[f'{side}_ankle'] - trunk)[:, [0, 2]] * ahead).sum(axis=1)
+        seated &= (np.abs(thigh[:, 1]) < _LEVEL_THIGH * length) & (behind > _BEHIND * length)
+        seated &= at[f'{side}_hip'][:, 1] < at[f'{side}_ankle'][:, 1] - 0.5 * length
+    return seated
 
 
 def spread_vertices(body: BodyModel) -> NDArray[np.int64]:

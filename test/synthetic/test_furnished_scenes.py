@@ -30,7 +30,7 @@ from lsc_pose_ros.synthetic.generator import (
     synthetic_frames,
     synthetic_scenes,
 )
-from lsc_pose_ros.synthetic.people import PersonSampler
+from lsc_pose_ros.synthetic.people import PersonSampler, looks_seated
 from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.clearance import is_clear
 from lsc_pose_ros.synthetic.scene.furnishing import Furnishing, furnish
@@ -105,6 +105,20 @@ def test_seats_touch_those_who_sit_on_them(
             touched += not is_clear(seat.blocks, bottom, 0.02)
     assert 0.12 * 2 * len(furnished) < seated < 0.4 * 2 * len(furnished)
     assert touched >= 0.9 * seated
+
+
+def test_people_on_seats_are_recognised_by_their_balance() -> None:
+    sampler = PersonSampler(FURNISHED)
+    random = np.random.default_rng(1)
+    on_seats, others = [], []
+    for _ in range(10):
+        person = sampler.sample_person(sampler.sample_body(random), 30, random)
+        looks = looks_seated(person.joints)
+        lies = np.zeros(30, bool) if person.lying is None else person.lying.lies
+        on_seats += looks[person.seated].tolist()
+        others += looks[~person.seated & ~lies].tolist()
+    assert np.mean(on_seats) > 0.6
+    assert np.mean(others) < 0.02
 
 
 def test_people_who_lie_are_level_and_touch_bed_or_floor() -> None:

@@ -154,7 +154,7 @@ def draw_triangle(
         image: the image.
     """
     ax, ay, bx, by, cx, cy = corners
-    depth, labels = image  # access to arrays in tuples is slow in a loop
+    depth, labels = image
     height, width = depth.shape
     # Most triangles are small and contain no centre of a pixel.
     left = max(-(-min(ax, bx, cx) // SUBPIXELS), 0)
@@ -163,27 +163,49 @@ def draw_triangle(
     bottom = min(max(ay, by, cy) // SUBPIXELS, height - 1)
     if left > right or top > bottom:
         return
-    inverse_a, inverse_b = 1.0 / (area * depths[0]), 1.0 / (area * depths[1])
-    inverse_c = 1.0 / (area * depths[2])
-    # How the areas change from one column to the next.
-    step_a, step_b, step_c = SUBPIXELS * (by - cy), SUBPIXELS * (cy - ay), SUBPIXELS * (ay - by)
+    inverses = (1.0 / (area * depths[0]), 1.0 / (area * depths[1]), 1.0 / (area * depths[2]))
+    steps = (SUBPIXELS * (by - cy), SUBPIXELS * (cy - ay), SUBPIXELS * (ay - by))
     x = left * SUBPIXELS
     for row in range(top, bottom + 1):
         y = row * SUBPIXELS
-        of_a = (cx - bx) * (y - by) - (cy - by) * (x - bx) - step_a
-        of_b = (ax - cx) * (y - cy) - (ay - cy) * (x - cx) - step_b
-        of_c = (bx - ax) * (y - ay) - (by - ay) * (x - ax) - step_c
-        entered = False
-        for column in range(left, right + 1):
-            of_a += step_a
-            of_b += step_b
-            of_c += step_c
-            if of_a < 0 or of_b < 0 or of_c < 0:
-                if entered:  # the triangle is convex
-                    break
-                continue
+        areas = (
+            (cx - bx) * (y - by) - (cy - by) * (x - bx),
+            (ax - cx) * (y - cy) - (ay - cy) * (x - cx),
+            (bx - ax) * (y - ay) - (by - ay) * (x - ax),
+        )
+        span = (depth[row, left : right + 1], labels[row, left : right + 1])
+        draw_row(areas, steps, inverses, label, span)
+
+
+@exact_kernel
+def draw_row(
+    areas: tuple[int, int, int],
+    steps: tuple[int, int, int],
+    inverses: tuple[float, float, float],
+    label: int,
+    span: tuple[NDArray[np.float32], NDArray[np.int32]],
+) -> None:
+    """Draw one row of a triangle.
+
+    Args:
+        areas: twice the areas opposite to the corners, at the first pixel.
+        steps: how they change from one pixel to the next.
+        inverses: 1/z of the corners by twice the triangle's area.
+        label: the label.
+        span: depth and labels of the row.
+    """
+    depth, labels = span
+    of_a, of_b, of_c = areas
+    entered = False
+    for column in range(len(depth)):
+        if of_a >= 0 and of_b >= 0 and of_c >= 0:
             entered = True
-            z = np.float32(1.0 / (of_a * inverse_a + of_b * inverse_b + of_c * inverse_c))
-            if z < depth[row, column]:
-                depth[row, column] = z
-                labels[row, column] = label
+            z = np.float32(1.0 / (of_a * inverses[0] + of_b * inverses[1] + of_c * inverses[2]))
+            if z < depth[column]:
+                depth[column] = z
+                labels[column] = label
+        elif entered:  # the triangle is convex
+            return
+        of_a += steps[0]
+        of_b += steps[1]
+        of_c += steps[2]
