@@ -36,7 +36,7 @@ _MARGIN_FRACTION = 1 / 3
 _WIDEST_MARGIN = 0.08  # as a fraction of the image's width or height
 
 # The joint that is in view if people are cut off.
-_KEPT_JOINTS = ((0.4, 'neck'), (0.2, 'head'), (0.4, 'torso'))
+_KEPT_JOINTS = ((0.35, 'neck'), (0.15, 'head'), (0.3, 'torso'), (0.1, 'pelvis'), (0.1, 'l_knee'))
 
 
 class Margins(NamedTuple):

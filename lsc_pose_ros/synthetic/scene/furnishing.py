@@ -37,6 +37,7 @@ IN_FRONT_FRACTION = 0.4
 
 _TABLE_FRACTION = 0.4  # of the people on seats
 _ARM_FRACTION = 0.12  # of the scenes, with a robot's arm near the camera
+_DECK_FRACTION = 0.12  # of the scenes, with the deck of a robot or a table below the camera
 _TRIES = 3  # positions per piece
 _EMPTY_SPOTS = (1.2, 5.0)  # distances of imagined people in a room without people, metres
 
@@ -75,8 +76,7 @@ def furnish(
     seats = [_support_under(each, arrangement, stream) for each in occupants]
     pieces = [seat for seat in seats if seat is not None]
     pieces += _before_people(arrangement, stream)
-    if stream.bernoulli(_ARM_FRACTION):
-        pieces += _own_arm(arrangement, stream)
+    pieces += _own_parts(arrangement, stream)
     for _ in range(int(stream.between(PIECES[0], PIECES[1] + 1))):
         piece = _sample_piece(arrangement, stream)
         if piece is not None:
@@ -111,12 +111,17 @@ def _before_people(arrangement: Arrangement, stream: RandomStream) -> list[Piece
     return pieces
 
 
-def _own_arm(arrangement: Arrangement, stream: RandomStream) -> list[Piece]:
-    """Return the arm of the robot that carries the camera, if it does not hit anybody."""
-    arm = clutter.robot_arm(arrangement.floor, stream).placed(
-        np.array([0.0, arrangement.floor, 0.0]), np.array([0.0, 1.0])
-    )
-    return [arm] if arrangement.clear_of_people(arm) else []
+def _own_parts(arrangement: Arrangement, stream: RandomStream) -> list[Piece]:
+    """Return arm and deck of the robot that carries the camera, unless they hit anybody."""
+    position, front = np.array([0.0, arrangement.floor, 0.0]), np.array([0.0, 1.0])
+    pieces = []
+    for make, fraction in (
+        (clutter.robot_arm, _ARM_FRACTION),
+        (clutter.robot_deck, _DECK_FRACTION),
+    ):
+        if stream.bernoulli(fraction):
+            pieces.append(make(arrangement.floor, stream).placed(position, front))
+    return [piece for piece in pieces if arrangement.clear_of_people(piece)]
 
 
 def _sample_piece(arrangement: Arrangement, stream: RandomStream) -> Piece | None:

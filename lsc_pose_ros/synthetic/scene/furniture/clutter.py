@@ -184,3 +184,16 @@ def robot_arm(height: float, stream: RandomStream) -> Piece:
         base = hand + np.array([finger, 0.0, 0.0])
         builder.bar(base, base + np.array([0.0, 0.0, 0.1]), 0.02)
     return builder.build()
+
+
+def robot_deck(height: float, stream: RandomStream) -> Piece:
+    """Return the deck below the camera on its robot or table; see `robot_arm`."""
+    builder = PieceBuilder()
+    width, ahead = stream.between(0.25, 1.2), stream.between(0.1, 0.7)
+    thickness, drop = stream.between(0.03, 0.2), stream.between(0.06, 0.35)
+    middle = (0.0, max(height - drop - 0.5 * thickness, 0.05), 0.5 * (ahead - 0.2))
+    builder.box(middle, (width, thickness, ahead + 0.2))
+    if stream.bernoulli(0.4):  # something that is mounted on it
+        x, size = stream.between(-0.4, 0.4) * width, stream.between(0.03, 0.12)
+        builder.post((x, height - drop, 0.8 * ahead), size, 0.5 * size)
+    return builder.build()
