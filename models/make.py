@@ -65,6 +65,7 @@ COMMON_TRAIN_OPTIONS = (
     '--feature', 'mixed', '--split-features', '48', '--candidates', '3', '--seed', '0',
     '--joint-reach', '0.5', '--joint-fraction', '0.2333', '--vote-bandwidth', '0.15',
     '--fewest-neighbours', '3', '--fill-holes', '5', '--noise-factor', '4',
+    '--least-cut-scale', '0.62',
     '--joints', *JOINT_NAMES,
 )  # fmt: skip
 """Options of `lsc_pose train` for all models."""

@@ -35,6 +35,10 @@ _CAMERA = Intrinsics(285.0, 285.0, 160.0, 120.0, _LENS)
 _FIGURE = ((20, 50, 148, 172), (50, 130, 135, 185), (58, 70, 70, 250), (130, 220, 137, 155),
            (130, 220, 165, 183))  # fmt: skip
 
+# The row of the counter's upper edge, and by how many rows and columns the mask is displaced.
+_COUNTER_TOP = 180
+_MASK_SHIFT = 5
+
 # RVL for four pixels that are 0.
 _EMPTY_RVL = bytes((0, 0, 0, 0x40))
 
@@ -50,6 +54,10 @@ def warm_up(estimator: Estimator) -> Skeletons:
     figure = _draw_figure()
     labels = np.where(figure, np.int32(1), np.int32(NO_BODY))
     decode_rvl(_EMPTY_RVL, 4)
+    # Before a wall, behind a counter and with a sloppy mask.
+    scene = np.where(figure, _DISTANCE, 2 * _DISTANCE)
+    scene[_COUNTER_TOP:] = 0.5 * _DISTANCE
+    estimator.estimate(scene, np.roll(labels, _MASK_SHIFT, axis=(0, 1)), _CAMERA)
     return estimator.estimate(np.where(figure, _DISTANCE, np.float32(0)), labels, _CAMERA)
 
 

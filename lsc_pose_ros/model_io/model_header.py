@@ -34,7 +34,8 @@ _NAMES_SINCE_VERSION_3 = {'facings': 'body_yaws'}
 """What settings were called in version 3, and what they are called now."""
 
 _NEW_IN_VERSION_5: dict[str, float] = {
-    name: Settings()._asdict()[name] for name in ('occluder_step', 'sloppy_outline')
+    name: Settings()._asdict()[name]
+    for name in ('occluder_step', 'sloppy_outline', 'least_cut_scale')
 }
 """Settings that older versions do not have, and the values that their models use."""
 

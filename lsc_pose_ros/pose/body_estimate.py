@@ -43,7 +43,7 @@ class BodyEstimate:
         window: the body, cut out of the image.
         cuts: where the body is cut off, or hidden by something nearer.
         silhouette: its silhouette (eq. 1, 2).
-        scale: rho_bar, or `Settings.fixed_scale`, metres.
+        scale: the unit of length, rho_bar or as `unit_of_length`, metres.
         queries: the indices of the silhouette's points that vote, shape (Q,).
         points: the points that vote, metres, shape (Q, 3).
         quantised: their quantised descriptors, shape (Q, F) (eq. 3, 4).

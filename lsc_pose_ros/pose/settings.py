@@ -51,6 +51,8 @@ class Settings(NamedTuple):
         query_points: how many of them vote; the others only count in the descriptors.
         fixed_scale: a length that replaces rho_bar for all bodies, metres; 0: none, rho_bar is
             each body's own.
+        least_cut_scale: rho_bar of a body that is cut off, or hidden by something nearer, is at
+            least this, metres; 0: it is that of the visible part.
         binning: for 3dlsc: how a point counts in the bins, one of BINNINGS.
         support_radius: the descriptor's reach, in units of rho_bar.
         inner_radius: the inner limit of the first radius bin, as a fraction of the reach.
@@ -79,6 +81,7 @@ class Settings(NamedTuple):
     points: int = 400
     query_points: int = 180
     fixed_scale: float = 0.0
+    least_cut_scale: float = 0.0
     binning: str = 'shared'
     support_radius: float = 1.5
     inner_radius: float = 0.1

@@ -17,7 +17,7 @@
 
     window       the body, cut out of the depth image
     silhouette   smoothed depth (eq. 1), silhouette points (eq. 2), N of them
-    descriptors  rho_bar, one quantised descriptor for each point that votes (eq. 3, 4)
+    descriptors  the unit of length, one quantised descriptor for each point that votes (eq. 3, 4)
     leaves       the leaf of each descriptor in each tree (eq. 7); before it the body yaw,
                  if the trees split by it
     votes        votes for joints and for pairs of joints (eq. 11-13)
@@ -41,7 +41,7 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.joints import leg_pairs
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.features.point_features import describe_points
-from lsc_pose_ros.pose.features.shape_context_3d import mean_distance
+from lsc_pose_ros.pose.features.unit_of_length import unit_of_length
 from lsc_pose_ros.pose.forest.body_yaw import with_body_yaw
 from lsc_pose_ros.pose.forest.body_yaw_search import find_body_yaw
 from lsc_pose_ros.pose.forest.forest import find_leaves
@@ -197,7 +197,7 @@ def _find_silhouette(settings: Settings, body: BodyEstimate) -> None:
 
 def _describe_points(settings: Settings, body: BodyEstimate) -> None:
     points = body.silhouette.points
-    body.scale = settings.fixed_scale or mean_distance(points)
+    body.scale = unit_of_length(points, body.cuts, settings)
     if body.scale <= 0:
         raise TooLittleVisibleError
     body.queries = choose_uniformly(len(points), settings.query_points)

@@ -139,7 +139,8 @@ def test_version_3_had_other_names_of_settings(body_yaw_model, body_yaw_model_fi
     assert header['version'] == VERSION == 5
     settings = header['settings']
     settings['facings'] = settings.pop('body_yaws')
-    del settings['occluder_step'], settings['sloppy_outline']
+    for name in ('occluder_step', 'sloppy_outline', 'least_cut_scale'):
+        del settings[name]
     path = tmp_path / 'older.npz'
     data = change_header(body_yaw_model_file, settings=settings, version=3)
     assert load_model(rewrite(body_yaw_model_file, path, header=data)).settings == (

@@ -196,6 +196,8 @@ def test_settings_of_another_version_are_refused(small_model_file, tmp_path):
         ('binning', 'halves'),
         ('binning', True),
         ('fixed_scale', -0.3),
+        ('least_cut_scale', -0.3),
+        ('occluder_step', float('nan')),
         ('fixed_scale', float('inf')),
         ('offset_pairs', 0),
         ('offset_pairs', 40_000),

@@ -114,6 +114,8 @@ def _find_silhouette(settings: Settings, body: BodyEstimate) -> None:
 def _describe_points(settings: Settings, body: BodyEstimate) -> None:
     points = body.silhouette.points
     body.scale = settings.fixed_scale or descriptor.mean_distance(points)
+    if len(body.cuts.rays):
+        body.scale = max(body.scale, settings.least_cut_scale)
     if body.scale <= 0:
         raise TooLittleVisibleError
     body.queries = choose_uniformly(len(points), settings.query_points)

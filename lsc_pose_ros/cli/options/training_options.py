@@ -150,6 +150,15 @@ LEAF_OPTIONS = (
 
 DEPTH_OPTIONS = (
     TrainingOption(
+        'least-cut-scale',
+        'settings',
+        'least_cut_scale',
+        'unit of length of a body that is cut off, or hidden by something nearer: at least this '
+        'instead of the rho_bar of its visible part; 0.62 if people are often cut off',
+        float_from_zero,
+        'METRES',
+    ),
+    TrainingOption(
         'fewest-neighbours',
         'settings',
         'fewest_neighbours',
