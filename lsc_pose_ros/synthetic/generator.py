@@ -205,7 +205,7 @@ class _ClipGenerator:
         stream = RandomStream(random.room, _FURNISHING_NUMBERS)
         framing = sample_framing(self._constraints, stream)
         half = _PLACEMENT_TRIES // 2
-        framings = [framing] * half + [framing.relaxed()] * half
+        framings = [framing] * half + [framing.relaxed(self._constraints)] * half
         people, placement = self._placement(people, framings, random)
         occupants = [
             self._sampler.occupant(person, placement, number)

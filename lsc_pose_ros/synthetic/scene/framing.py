@@ -61,9 +61,9 @@ class Framing(NamedTuple):
     kept: str = 'torso'
     margins: Margins = Margins()
 
-    def relaxed(self) -> 'Framing':
-        """Return a framing that is easier to satisfy: people can be cut off and be apart."""
-        easier = self.constraints._replace(cropped=True, together=False, bearing_difference=0.0)
+    def relaxed(self, constraints: CameraConstraints) -> 'Framing':
+        """Return a framing within `constraints` that is easy to satisfy: people can be cut off."""
+        easier = constraints._replace(cropped=True, bearing_difference=0.0, people_gap=_PEOPLE_GAP)
         return self._replace(constraints=easier)
 
     def extent(self, person: SyntheticPerson) -> PersonExtent:
