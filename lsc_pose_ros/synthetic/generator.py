@@ -53,6 +53,7 @@ from lsc_pose_ros.synthetic.settings import (
     clip_length_of,
     sensor_of,
 )
+from lsc_pose_ros.synthetic.sloppy_masks import with_sloppy_masks
 
 __all__ = [
     'FRAME_ID',
@@ -111,11 +112,12 @@ def synthetic_frames(settings: SyntheticSettings) -> Iterator[Frame]:
     Raises:
         InputError: the settings contradict each other.
     """
-    return (scene.frame for scene in synthetic_scenes(settings))
+    frames = (scene.frame for scene in synthetic_scenes(settings))
+    return with_sloppy_masks(frames, settings.seed) if settings.sloppy_masks else frames
 
 
 def synthetic_scenes(settings: SyntheticSettings) -> Iterator[SyntheticScene]:
-    """Generate the frames of `synthetic_frames` with body parts and visibility.
+    """Generate the frames of `synthetic_frames`, always with exact masks, parts and visibility.
 
     Args:
         settings: what to generate.

@@ -63,6 +63,8 @@ class SyntheticSettings(NamedTuple):
         background: whether people are in a room; its furniture does not hide them.
         furniture: whether people are in a room with much furniture, which can hide any part of
             them; a quarter of them sit on some of it.
+        sloppy_masks: whether the masks of the frames are wrong by some pixels, like those of a
+            segmenter.
         mocap: a folder of motion capture files (BVH) to sample poses or motion from.
         mocap_mapping: mapping file for their joints; None is the one for CMU.
         mocap_fraction: fraction of people who move as in `mocap`.
@@ -89,6 +91,7 @@ class SyntheticSettings(NamedTuple):
     cropped: bool = False
     background: bool = False
     furniture: bool = False
+    sloppy_masks: bool = False
     mocap: Path | None = None
     mocap_mapping: Path | None = None
     mocap_fraction: float = 0.5

@@ -15,12 +15,13 @@
 
 """Sloppy masks: exact masks that are grown, shrunk, shifted and holed, as segmenters draw them."""
 
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 
 ERROR = (1 / 64, 3 / 64)
 """Range of the error of an outline, relative to the width of the image: 5 to 15 of 320 pixels."""
@@ -42,6 +43,18 @@ class MaskError(NamedTuple):
     growth: int = 0
     shift: tuple[int, int] = (0, 0)
     holes: tuple[tuple[int, int, int], ...] = ()
+
+
+def with_sloppy_masks(frames: Iterable[Frame], seed: int) -> Iterator[Frame]:
+    """Yield `frames` with a random error in the mask of each body.
+
+    Args:
+        frames: frames with exact masks.
+        seed: the seed of the errors; the error of a frame depends on its index, too.
+    """
+    for index, frame in enumerate(frames):
+        random = np.random.default_rng((seed, index))
+        yield frame._replace(labels=sloppy_labels(frame.labels, random))
 
 
 def sloppy_labels(labels: NDArray[np.int32], random: np.random.Generator) -> NDArray[np.int32]:

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 from lsc_pose_ros.synthetic.sloppy_masks import (
     ERROR,
     MOST_HOLES,
@@ -91,3 +92,16 @@ def test_each_body_has_its_own_error_and_takes_no_pixel_of_another() -> None:
     np.testing.assert_array_equal(found[0], found[1])
     assert not np.array_equal(found[0], found[2])
     assert set(np.unique(found[0])) == {NO_BODY, 1, 4}
+
+
+def test_generator_changes_only_the_masks() -> None:
+    settings = SyntheticSettings(frames=2, width=160, height=120, background=True)
+    exact = list(synthetic_frames(settings))
+    sloppy = list(synthetic_frames(settings._replace(sloppy_masks=True)))
+    again = list(synthetic_frames(settings._replace(sloppy_masks=True, frames=1)))
+    for before, after in zip(exact, sloppy, strict=True):
+        np.testing.assert_array_equal(after.depth, before.depth)
+        np.testing.assert_array_equal(after.ground_truth.positions, before.ground_truth.positions)
+        assert not np.array_equal(after.labels, before.labels)
+        assert ((after.labels == 1) & (before.labels == 1)).any()
+    np.testing.assert_array_equal(again[0].labels, sloppy[0].labels)

@@ -158,6 +158,12 @@ def _add_positions(parser: argparse._ArgumentGroup) -> None:
         help='add a room full of furniture, which hides parts of the people; a quarter of them '
         'sit, and some are cut off by the edge of the image; --people can be 0',
     )
+    parser.add_argument(
+        '--sloppy-masks',
+        action='store_true',
+        help='masks that are too large, too small or displaced by up to 5 %% of the width of the '
+        'image, and have holes, like those of a segmenter',
+    )
 
 
 def _add_sensor(parser: argparse._ArgumentGroup) -> None:
