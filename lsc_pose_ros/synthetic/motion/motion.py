@@ -117,8 +117,7 @@ def sample_motion(
         rate: frames per second; None samples independent poses.
         widest_yaw: largest absolute yaw, radians.
         random: the source of randomness.
-        fractions: the fractions of poses or, with a rate, of people who sit or lie and stay so;
-            None samples the usual poses, in which nobody stays on a seat or lies.
+        fractions: of poses or, with a rate, of people who rest; None samples the usual poses.
 
     Returns:
         The motion; with a rate its velocity is continuous.
@@ -127,9 +126,9 @@ def sample_motion(
     if rate is None:
         kinds = [_sample_kinds(fractions, random) for _ in range(count)]
         poses = [_sample_any_pose(collision_body, random, each) for each in kinds]
+        kind_of = [pose.kind for pose in poses]
         angles = np.array([pose.angles for pose in poses])
         yaw = widest_yaw * (2 * random.random(count) - 1)
-        kind_of = [pose.kind for pose in poses]
     else:
         keys = _KeyPoses(collision_body, random, _sample_kinds(fractions, random))
         angles, yaw = _sample_smooth(keys, np.arange(count) / rate, widest_yaw, random)
@@ -137,8 +136,7 @@ def sample_motion(
     rotations = pose_rotations(collision_body.rig, angles)
     lying = np.array([kind == 'lie' for kind in kind_of])
     if lying.any():
-        turns = [_lying_rotation(RandomStream(random)) for _ in range(1 if rate else count)]
-        rotations[lying, 0] = (np.array(turns) @ rotations[:, 0])[lying]
+        _lay_down(rotations, lying, 1 if rate else count, random)
     return Motion(rotations, yaw, np.array([kind == 'sit' for kind in kind_of]), lying)
 
 
@@ -151,6 +149,17 @@ def _sample_kinds(
     if chosen < fractions.seated:
         return SEATED_KINDS
     return LYING_KINDS if chosen < fractions.seated + fractions.lying else AFOOT_KINDS
+
+
+def _lay_down(
+    rotations: NDArray[np.float64],
+    lying: NDArray[np.bool_],
+    count: int,
+    random: np.random.Generator,
+) -> None:
+    """Turn the roots of people who lie, in place, by one rotation or by one per frame."""
+    turns = np.array([_lying_rotation(RandomStream(random)) for _ in range(count)])
+    rotations[lying, 0] = (turns @ rotations[:, 0])[lying]
 
 
 def _lying_rotation(stream: RandomStream) -> NDArray[np.float64]:

@@ -112,11 +112,9 @@ def apply_triangulation(
         sensor.max_difference,
         matched,
     )
-    averaged = average_window(
-        matched.inverse_depth, round(sensor.averaging * scale), sensor.max_difference
-    )
-    if sensor.smoothing:
-        apply_filters(sensor, averaged, matched.labels, scale, random)
+    radius = round(sensor.averaging * scale)
+    averaged = average_window(matched.inverse_depth, radius, sensor.max_difference)
+    apply_filters(sensor, averaged, matched.labels, scale, random)
     noisy = DepthImage(np.empty(shape, np.float32), matched.labels)
     quantise(averaged, noise, sensor, noisy)
     return noisy
@@ -129,10 +127,12 @@ def apply_filters(
     scale: float,
     random: np.random.Generator,
 ) -> None:
-    """Fill holes and smooth 1/z, in place, as the driver of `sensor` does.
+    """Fill holes and smooth 1/z, in place, as the driver of `sensor` does, if it does.
 
     Half of the images keep large edges.
     """
+    if not sensor.smoothing:
+        return
     strength, keeps_edges = random.random(2)
     limit = EDGE if keeps_edges < 0.5 else math.inf
     fill_holes(inverse_depth, labels, round(sensor.filling * scale))
