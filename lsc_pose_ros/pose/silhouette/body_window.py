@@ -22,6 +22,7 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.cuts import SceneImage, background_is_measured, mark_cuts
 from lsc_pose_ros.pose.silhouette.mask_fit import (
+    BETTER_OUTLINE,
     labels_fitted_to_depth,
     largest_error,
     smooth_outline,
@@ -51,10 +52,7 @@ def body_window(
         return None
     image = SceneImage(depth, labels, body)
     if _is_sloppy(window, image, settings.sloppy_outline):
-        image = image._replace(labels=labels_fitted_to_depth(window, image, float(camera.fy)))
-        window = cut_out(depth, image.labels, body, settings.fill_holes)
-        if window is None:
-            return None
+        window, image = _fitted_to_depth(window, image, camera, settings)
     return mark_cuts(window, image, settings.occluder_step)
 
 
@@ -63,3 +61,21 @@ def _is_sloppy(window: Window, image: SceneImage, limit: float) -> bool:
     if limit <= 0 or is_speck or not background_is_measured(window, image):
         return False
     return smooth_outline(window, image) >= limit
+
+
+def _fitted_to_depth(
+    window: Window, image: SceneImage, camera: Intrinsics, settings: Settings
+) -> tuple[Window, SceneImage]:
+    """Return window and image with the mask fitted to the depth, or as they are.
+
+    On a seat, or if a filter has smoothed the depth, even an exact outline is no step, and the fit
+    does not make it one. Then the mask remains as it is.
+    """
+    labels = labels_fitted_to_depth(window, image, float(camera.fy))
+    fitted = cut_out(image.depth, labels, image.body, settings.fill_holes)
+    if fitted is None:
+        return window, image
+    new_image = image._replace(labels=labels)
+    if smooth_outline(fitted, new_image) > BETTER_OUTLINE * smooth_outline(window, image):
+        return window, image
+    return fitted, new_image

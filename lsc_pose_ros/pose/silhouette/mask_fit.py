@@ -40,6 +40,10 @@ from lsc_pose_ros.pose.silhouette.preprocessing import Window
 LARGEST_ERROR_DIVISOR = 16
 """The outline of a mask is wrong by at most the width of the image divided by this, pixels."""
 
+BETTER_OUTLINE = 0.75
+"""A fitted mask is used if the fraction of its outline that is no step is at most this fraction of
+what it was before."""
+
 CONTINUES = 0.3
 """A surface continues outside of the mask if it does so at this fraction of its outline."""
 

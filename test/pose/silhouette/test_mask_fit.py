@@ -233,6 +233,16 @@ def test_zero_fits_no_mask(people_in_rooms) -> None:
     np.testing.assert_array_equal(kept.depth, window.depth)
 
 
+def test_mask_is_kept_if_the_fit_finds_no_better_outline(people_in_rooms) -> None:
+    """Without any step in depth there is nothing that the mask could be fitted to."""
+    frame = people_in_rooms[0]
+    depth = np.full_like(frame.depth, 3)
+    window = cut_out(depth, frame.labels, 1)
+    assert smooth_outline(window, SceneImage(depth, frame.labels, 1)) == 1
+    kept = body_window(depth, frame.labels, frame.camera, 1, Settings(occluder_step=0))
+    np.testing.assert_array_equal(kept.depth, window.depth)
+
+
 def test_speck_does_not_grow(people_in_rooms) -> None:
     frame = people_in_rooms[0]
     row, column = np.argwhere(frame.labels == 1).mean(axis=0).astype(int)
