@@ -6,7 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 
 # The tests of the method, which need neither ROS nor recordings.
-ARRAY_TESTS := test/data_types test/camera test/numerics test/pose test/segmentation test/tracking test/estimation \
+ARRAY_TESTS := test/data_types test/camera test/body_parts test/numerics test/pose test/segmentation test/tracking test/estimation \
 	test/training test/evaluation test/model_io
 
 # The oldest releases that setup.py allows, on a Python that numba 0.59 has wheels for. numba 0.58
@@ -41,7 +41,7 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo model benchmarks benchmarks-live clean
+.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo model body-parts benchmarks benchmarks-live clean
 
 help:
 	@echo 'make demo             start the live node and check its skeletons; train another model'
@@ -50,6 +50,8 @@ help:
 	@echo 'make settings         write pose_node.yaml and docs/parameters.md from settings/table.py'
 	@echo 'make model            train and measure the model of the package, in one or two hours;'
 	@echo '                      MOCAP=DIR for motion capture, NAME=front for the other model'
+	@echo 'make body-parts       train the forest that finds people without a mask, in half an hour;'
+	@echo '                      MOCAP=DIR for motion capture'
 	@echo 'make benchmarks       the curves of benchmarks/; nothing else may run meanwhile'
 	@echo 'make benchmarks-live  the table of the live node, in seven minutes'
 	@echo 'make clean            remove all that these targets made'
@@ -95,6 +97,9 @@ settings: $(VENV)/installed
 
 model: $(VENV)/installed
 	$(BIN)/python models/make.py $(NAME) $(if $(MOCAP),--mocap '$(MOCAP)')
+
+body-parts: $(VENV)/installed
+	$(BIN)/python models/make_body_parts.py $(if $(MOCAP),--mocap '$(MOCAP)')
 
 benchmarks: $(VENV)/installed
 	$(BIN)/python benchmarks/curves.py

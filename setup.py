@@ -131,7 +131,7 @@ setup(
     ],
     package_data={
         PACKAGE: ['py.typed'],
-        f'{PACKAGE}.resources': ['bodies/*', 'config/*', 'config/*/*', 'models/*'],
+        f'{PACKAGE}.resources': ['bodies/*', 'body_parts/*', 'config/*', 'config/*/*', 'models/*'],
     },
     install_requires=REQUIREMENTS,
     extras_require=EXTRAS,

@@ -231,15 +231,14 @@ def generate(
     clips = ' '.join(_clips_in(mocap.folder))
     return [
         _generate(
-            spec._replace(settings=_with_mocap(spec.settings, mocap, test=test)), clips, folder
+            spec._replace(settings=with_mocap(spec.settings, mocap, test=test)), clips, folder
         )
         for spec in specs
     ]
 
 
-def _with_mocap(
-    settings: SyntheticSettings, mocap: MocapSplit, *, test: bool
-) -> SyntheticSettings:
+def with_mocap(settings: SyntheticSettings, mocap: MocapSplit, *, test: bool) -> SyntheticSettings:
+    """Return settings with the clips that are held out for tests, or with all others."""
     return settings._replace(
         mocap=mocap.folder,
         mocap_mapping=mocap.mapping,
@@ -249,7 +248,7 @@ def _with_mocap(
 
 
 def _generate(spec: RecordingSpec, clips: str, folder: Path) -> Path:
-    path = folder / f'{spec.name}_{_digest(spec.settings, clips)}.mcap'
+    path = folder / f'{spec.name}_{digest_of(spec.settings, clips)}.mcap'
     if not path.exists():
         frames = progress(synthetic_frames(spec.settings), spec.settings.frames, spec.name)
         # The writer renames the file at the end, so an existing file is complete.
@@ -259,7 +258,7 @@ def _generate(spec: RecordingSpec, clips: str, folder: Path) -> Path:
     return path
 
 
-def _digest(settings: SyntheticSettings, clips: str) -> str:
+def digest_of(settings: SyntheticSettings, clips: str) -> str:
     """Return a digest of the settings and of the names of the clips, but not of their folder."""
     named = settings._asdict() | {'mocap': clips, 'mocap_mapping': bool(settings.mocap_mapping)}
     return hashlib.sha256(repr(named).encode()).hexdigest()[:8]

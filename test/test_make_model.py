@@ -94,9 +94,9 @@ def test_fifth_of_the_clips_is_held_out(tmp_path: Path) -> None:
     mocap = table.find_mocap(folder, None)
     assert mocap.held_out == ('4', 'more/last')
     settings = SyntheticSettings()
-    learnt = table._with_mocap(settings, mocap, test=False)
+    learnt = table.with_mocap(settings, mocap, test=False)
     assert (learnt.mocap_only, learnt.mocap_without) == ((), mocap.held_out)
-    measured = table._with_mocap(settings, mocap, test=True)
+    measured = table.with_mocap(settings, mocap, test=True)
     assert (measured.mocap_only, measured.mocap_without) == (mocap.held_out, ())
     for number in range(6):
         (folder / f'{number}.bvh').unlink()

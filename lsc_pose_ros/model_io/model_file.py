@@ -100,12 +100,12 @@ def load_model(model: str | os.PathLike[str]) -> Model:
         raise InputError(msg)
     source = find_model(os.fspath(model))
     try:
-        _check_sizes(source)
+        check_sizes(source)
         with np.load(source, allow_pickle=False) as archive:
             header = _read_header(archive)
             calibration = {_CALIBRATION: _CALIBRATION_FORM} if _CALIBRATION in archive else {}
             arrays = {
-                name: _read_array(archive, name, form)
+                name: read_array(archive, name, form)
                 for name, form in (_ARRAYS | calibration).items()
             }
         return _assemble(header, arrays)
@@ -138,7 +138,8 @@ def describe_model(model: Model) -> dict[str, str]:
     }
 
 
-def _check_sizes(path: Path) -> None:
+def check_sizes(path: Path) -> None:
+    """Raise UnusableModelError if a part of an archive is too large to be that of a model."""
     with zipfile.ZipFile(path) as archive:
         for entry in archive.infolist():
             if entry.file_size > LARGEST_ARRAY:
@@ -153,7 +154,12 @@ def _read_header(archive: Any) -> Header:  # noqa: ANN401
     return decode_header(archive['header'])
 
 
-def _read_array(archive: Any, name: str, form: Form) -> NDArray[np.generic]:  # noqa: ANN401
+def read_array(archive: Any, name: str, form: Form) -> NDArray[np.generic]:  # noqa: ANN401
+    """Return an array of an archive.
+
+    Raises:
+        UnusableModelError: the array is missing or has another form.
+    """
     if name not in archive:
         msg = f'its part {name} is missing'
         raise UnusableModelError(msg)

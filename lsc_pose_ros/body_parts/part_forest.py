@@ -1,0 +1,149 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""A forest that classifies the cells of a depth grid into body parts, or as no person.
+
+J. Shotton et al., "Real-time human pose recognition in parts from single depth images", CVPR
+2011. Each split compares two depths (eq. 1): f(I, x) = d(x + u / d(x)) - d(x + v / d(x)); each
+leaf has a distribution over the classes, and that of the forest is the mean of its trees' (eq. 2).
+There, the background is removed beforehand. Here it is a class of its own.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.body_parts.depth_grid import DepthGrid
+from lsc_pose_ros.data_types.joints import JOINT_NAMES
+from lsc_pose_ros.numerics.jit import kernel
+
+NOT_A_PERSON = 0
+"""The class of everything that is not a person; class 1 + j is the part at joint number j."""
+
+CLASSES = 1 + len(JOINT_NAMES)
+"""The number of classes."""
+
+BEYOND = np.float32(10.0)
+"""The depth of a cell that is unknown or outside of the image, metres."""
+
+SURE = np.float32(0.97)
+"""If the first trees say "no person" with this probability, the others are not asked."""
+
+_FULL = np.float32(1.0 / 255.0)
+
+
+class PartForest(NamedTuple):
+    """T trees, all nodes in one table.
+
+    Attributes:
+        roots: the first node of each tree, shape (T,), int32.
+        splits: u right, u down, v right, v down in metres, and the threshold in metres, shape
+            (n, 5), float32. A cell with f below the threshold goes left.
+        left: the left child of each node; the right child follows it. A leaf has -1 - its row in
+            `leaves`. Shape (n,), int32.
+        leaves: the probability of each class at each leaf times 255, shape (L, CLASSES), uint8.
+    """
+
+    roots: NDArray[np.int32]
+    splits: NDArray[np.float32]
+    left: NDArray[np.int32]
+    leaves: NDArray[np.uint8]
+
+
+def classify(
+    grid: DepthGrid, forest: PartForest, stride: int, farthest: float
+) -> NDArray[np.float32]:
+    """Return the probability of each class at every `stride`-th cell of a grid.
+
+    Args:
+        grid: the depth grid.
+        forest: the forest.
+        stride: how many cells apart the classified ones are, along rows and columns.
+        farthest: cells at a larger depth are not classified, metres.
+
+    Returns:
+        The probabilities, the means of the trees', shape (ceil(h / stride), ceil(w / stride),
+        CLASSES); all 0 at a cell without depth, or farther than `farthest`.
+    """
+    return classify_cells(grid.depth, grid.focal_lengths, forest, stride, farthest)
+
+
+@kernel
+def classify_cells(
+    depth: NDArray[np.float32],
+    focal_lengths: tuple[float, float],
+    forest: PartForest,
+    stride: int,
+    farthest: float,
+) -> NDArray[np.float32]:
+    """Return the probabilities of `classify`; `depth` and `focal_lengths` are those of a grid."""
+    rows, columns = -(-depth.shape[0] // stride), -(-depth.shape[1] // stride)
+    probabilities = np.zeros((rows, columns, forest.leaves.shape[1]), np.float32)
+    trees = forest.roots.shape[0]
+    for tree in range(trees):  # one after the other, because the nodes of one fit into the cache
+        for i in range(rows):
+            for j in range(columns):
+                here = probabilities[i, j]
+                if not 0 < depth[i * stride, j * stride] <= farthest:
+                    continue
+                if tree > 0 and here[NOT_A_PERSON] >= SURE:
+                    continue
+                root = forest.roots[tree]
+                leaf = find_leaf(depth, focal_lengths, i * stride, j * stride, forest, root)
+                share = np.float32(1.0 / (tree + 1))
+                for c in range(here.shape[0]):
+                    here[c] += share * (_FULL * np.float32(forest.leaves[leaf, c]) - here[c])
+    return probabilities
+
+
+@kernel
+def find_leaf(
+    depth: NDArray[np.float32],
+    focal_lengths: tuple[float, float],
+    row: int,
+    column: int,
+    forest: PartForest,
+    root: int,
+) -> int:
+    """Return the leaf that a cell reaches in one tree: a row of `forest.leaves`."""
+    z = depth[row, column]
+    across, down = np.float32(focal_lengths[0]) / z, np.float32(focal_lengths[1]) / z
+    splits = forest.splits
+    node = root
+    left: int = forest.left[node]
+    while left >= 0:
+        right_by, down_by = splits[node, 0] * across, splits[node, 1] * down
+        value = probe(depth, row, column, down_by, right_by)
+        right_by, down_by = splits[node, 2] * across, splits[node, 3] * down
+        value -= probe(depth, row, column, down_by, right_by)
+        node = left + (value >= splits[node, 4])
+        left = forest.left[node]
+    return -1 - left
+
+
+@kernel
+def probe(
+    depth: NDArray[np.float32], row: int, column: int, down: np.float32, across: np.float32
+) -> np.float32:
+    """Return the depth at an offset from a cell, BEYOND if it is unknown or outside."""
+    # Compared before conversion: a large offset does not fit into an integer.
+    at_row, at_column = np.float32(row) + down + np.float32(0.5), np.float32(column) + across
+    at_column += np.float32(0.5)
+    if not (0 <= at_row < depth.shape[0] and 0 <= at_column < depth.shape[1]):
+        return BEYOND
+    found = depth[int(at_row), int(at_column)]
+    return found if found > 0 else BEYOND

@@ -1,0 +1,117 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""The coarse grid and the body-part forest, against plain numpy and their equations."""
+
+import numpy as np
+import pytest
+from plain.depth_comparison import comparison_twin
+
+from lsc_pose_ros.body_parts.depth_grid import FARTHEST, depth_grid, grid_step, reduce_depth
+from lsc_pose_ros.body_parts.part_forest import (
+    CLASSES,
+    NOT_A_PERSON,
+    SURE,
+    PartForest,
+    classify,
+)
+from lsc_pose_ros.data_types.camera import Intrinsics
+
+CAMERA = Intrinsics(140.0, 150.0, 79.5, 59.5)
+
+
+def random_depth(seed: int, height: int = 30, width: int = 41) -> np.ndarray:
+    """Return depth with all values that cameras send for "unknown"."""
+    rng = np.random.default_rng(seed)
+    depth = rng.uniform(0.3, 7.0, (height, width)).astype(np.float32)
+    for value in (0.0, np.nan, np.inf, -np.inf, np.finfo(np.float32).max, -1.0, 1e-30):
+        depth[rng.random(depth.shape) < 0.05] = value
+    return depth
+
+
+def random_forest(seed: int, trees: int = 3) -> PartForest:
+    """Return trees of three splits and four leaves each."""
+    rng = np.random.default_rng(seed)
+    splits = rng.uniform(-1.5, 1.5, (7 * trees, 5)).astype(np.float32)
+    splits[rng.random(len(splits)) < 0.4, 2:4] = 0
+    left = np.concatenate(
+        [
+            [7 * t + 1, 7 * t + 3, 7 * t + 5, *(-1 - np.arange(4 * t, 4 * t + 4))]
+            for t in range(trees)
+        ]
+    )
+    leaves = rng.integers(0, 256, (4 * trees, CLASSES)).astype(np.uint8)
+    leaves[::3, NOT_A_PERSON] = 250
+    return PartForest(np.arange(trees, dtype=np.int32) * 7, splits, left.astype(np.int32), leaves)
+
+
+@pytest.mark.parametrize('step', [1, 2, 3, 4])
+@pytest.mark.parametrize('seed', range(3))
+def test_a_cell_shows_its_middle_pixel_or_the_first_with_a_depth(step: int, seed: int) -> None:
+    depth = random_depth(seed)
+    reduced = reduce_depth(depth, step)
+    assert reduced.shape == (30 // step, 41 // step)
+    for i, j in np.ndindex(reduced.shape):
+        block = depth[i * step : (i + 1) * step, j * step : (j + 1) * step]
+        candidates = [block[step // 2, step // 2], *block.ravel()]
+        known = [value for value in candidates if 0 < value < FARTHEST]
+        assert reduced[i, j] == (known[0] if known else 0)
+
+
+def test_images_of_all_sizes_have_about_as_many_cells() -> None:
+    for width in (160, 176, 320, 512, 640, 1280):
+        assert 120 <= width // grid_step(width) <= 240
+    assert grid_step(16) == 1
+
+
+def test_a_grid_has_the_focal_lengths_of_its_cells() -> None:
+    grid = depth_grid(np.ones((480, 640), np.float32), Intrinsics(520.0, 530.0, 320.0, 240.0))
+    assert grid.step == 4
+    assert grid.depth.shape == (120, 160)
+    assert grid.focal_lengths == (130.0, 132.5)
+
+
+@pytest.mark.parametrize('stride', [1, 2, 3])
+@pytest.mark.parametrize('seed', range(3))
+def test_probabilities_are_the_mean_of_the_leaves(seed: int, stride: int) -> None:
+    forest = random_forest(seed)
+    grid = depth_grid(random_depth(seed), CAMERA)
+    found = classify(grid, forest, stride, 5.0)
+    assert found.shape == (-(-30 // stride), -(-41 // stride), CLASSES)
+    wrong = 0
+    for i, j in np.ndindex(found.shape[:2]):
+        row, column = i * stride, j * stride
+        if not 0 < grid.depth[row, column] <= 5.0:
+            assert not found[i, j].any()
+            continue
+        reached = []
+        for root in forest.roots:
+            node = root
+            while forest.left[node] >= 0:
+                value = comparison_twin(grid.depth, row, column, forest.splits[node], CAMERA)
+                node = forest.left[node] + int(value >= forest.splits[node, 4])
+            reached.append(forest.leaves[-1 - forest.left[node]] / 255)
+            if np.mean(reached, axis=0)[NOT_A_PERSON] >= SURE:
+                break
+        wrong += not np.allclose(found[i, j], np.mean(reached, axis=0), rtol=0, atol=1e-6)
+    assert wrong <= 0.02 * found[..., 0].size
+
+
+@pytest.mark.parametrize('value', [0.0, np.nan, np.inf, np.finfo(np.float32).max])
+def test_an_image_without_depth_has_no_probabilities(value: float) -> None:
+    grid = depth_grid(np.full((40, 50), value, np.float32), CAMERA)
+    assert not grid.depth.any()
+    assert not classify(grid, random_forest(0), 2, 6.0).any()
