@@ -22,9 +22,18 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.model_io.part_forest_file import load_part_forest
 from lsc_pose_ros.segmentation.background import Background
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
-from lsc_pose_ros.settings.table import MASK, NEAREST, SEGMENTATIONS, SegmentationSettings
+from lsc_pose_ros.segmentation.people import People
+from lsc_pose_ros.settings.table import (
+    AUTO,
+    MASK,
+    NEAREST,
+    PEOPLE,
+    SEGMENTATIONS,
+    SegmentationSettings,
+)
 
 
 class Segmenter(Protocol):
@@ -56,7 +65,7 @@ class Segmenter(Protocol):
 
 
 def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:
-    """Return the segmenter that `settings` choose, or None if masks are given.
+    """Return the segmenter for images without a mask, or None if `settings` ask for masks.
 
     Raises:
         InputError: the segmentation is unknown, or the range is empty.
@@ -76,6 +85,8 @@ def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:
             'the smaller'
         )
         raise InputError(msg)
+    if settings.segmentation in (AUTO, PEOPLE):
+        return People(load_part_forest().forest, nearest, farthest)
     if settings.segmentation == NEAREST:
         return NearestBody(nearest, farthest)
     return Background(settings.background_seconds, settings.background_margin, nearest, farthest)

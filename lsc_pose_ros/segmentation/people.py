@@ -1,0 +1,104 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""Finds all people in a depth image alone, by the body parts that its pixels show."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.body_parts.depth_grid import DepthGrid, depth_grid
+from lsc_pose_ros.body_parts.part_forest import PartForest, classify
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.segmentation.cell_labels import labels_from_cells
+from lsc_pose_ros.segmentation.person_cells import PersonCells, person_cells, smooth_person
+from lsc_pose_ros.segmentation.person_instances import Bodies, find_bodies
+
+STRIDE = 2
+"""Each second cell of the depth grid is classified, along rows and columns."""
+
+SMOOTHING_REACH = 2
+"""Half width of the window in which probabilities are averaged, classified cells."""
+
+PERSON_THRESHOLD = 0.5
+"""The least probability that a cell shows a person."""
+
+
+class People:
+    """Finds all people, with a forest that classifies body parts.
+
+    The forest gives each cell of a coarse grid the probabilities of 20 body parts and of "no
+    person" (`body_parts/part_forest.py`). Cells that show people are given to the nearest head or
+    trunk (`person_instances.py`), and pixels to the cells (`cell_labels.py`). The most certain
+    person is body 1.
+    """
+
+    ready = True
+    warning = ''
+
+    def __init__(self, forest: PartForest, range_min: float, range_max: float) -> None:
+        """Store forest and range.
+
+        Args:
+            forest: classifies body parts.
+            range_min: metres; nearer pixels are no body.
+            range_max: metres; farther pixels are no body.
+        """
+        self._forest = forest
+        self._range = range_min, range_max
+
+    def learn(self, stamp: int, depth: NDArray[np.float32]) -> None:
+        """Do nothing: images are independent."""
+
+    def labels(self, depth: NDArray[np.float32], camera: Intrinsics) -> NDArray[np.int32]:
+        """Return the body number of each pixel, NO_BODY for none, shape (H, W).
+
+        Args:
+            depth: metres, 0 if unknown, shape (H, W).
+            camera: the intrinsics.
+        """
+        nearest, farthest = self._range
+        grid = depth_grid(depth, camera)
+        probabilities = classify(grid, self._forest, STRIDE, farthest)
+        cells, bodies = find_people(grid, probabilities, camera)
+        numbers = np.append(bodies.body, -1)[cells.number]
+        labels = np.where(numbers >= 0, numbers + 1, NO_BODY).astype(np.int32)
+        in_range = np.where((depth >= nearest) & (depth <= farthest), depth, np.float32(0))
+        cell_depth = np.ascontiguousarray(grid.depth[::STRIDE, ::STRIDE])
+        return labels_from_cells(in_range, labels, cell_depth, STRIDE * grid.step, grid.step // 2)
+
+
+def find_people(
+    grid: DepthGrid, probabilities: NDArray[np.float32], camera: Intrinsics
+) -> tuple[PersonCells, Bodies]:
+    """Return the cells that show people, and the people.
+
+    Args:
+        grid: the depth grid.
+        probabilities: of each class at each STRIDE-th cell, shape (h, w, CLASSES).
+        camera: the intrinsics of the image.
+    """
+    depth = np.ascontiguousarray(grid.depth[::STRIDE, ::STRIDE])
+    smoothed = smooth_person(probabilities, depth, SMOOTHING_REACH)
+    spacing = STRIDE * grid.step
+    in_cells = (
+        float(camera.fx / spacing),
+        float(camera.fy / spacing),
+        float((camera.cx - grid.step // 2) / spacing),
+        float((camera.cy - grid.step // 2) / spacing),
+    )
+    cells = person_cells(probabilities, smoothed, depth, in_cells, PERSON_THRESHOLD)
+    return cells, find_bodies(cells)
