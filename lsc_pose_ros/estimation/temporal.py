@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.inference.confidence import body_confidence
 from lsc_pose_ros.pose.stages import Observer
 from lsc_pose_ros.settings.table import TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
@@ -41,6 +42,7 @@ class TemporalEstimator:
             thread, by an estimator of the same joints.
         settings: settings of tracking and smoothing. They can be replaced at any time, from any
             thread.
+        left_out: the number of bodies that were left out because of their low confidence.
     """
 
     def __init__(self, estimator: Estimator, settings: TemporalSettings) -> None:
@@ -52,6 +54,7 @@ class TemporalEstimator:
         """
         self.estimator = estimator
         self.settings = settings
+        self.left_out = 0
         self.reset()
 
     def reset(self) -> None:
@@ -70,6 +73,8 @@ class TemporalEstimator:
     ) -> Skeletons:
         """Return the joints of all bodies in a frame, ascending by body number.
 
+        Bodies below the minimum confidence are left out.
+
         Args:
             stamp: nanoseconds; if it goes back by more than REWIND_NS, the sequence restarts.
             depth: metres, 0 if unknown, shape (H, W).
@@ -85,6 +90,8 @@ class TemporalEstimator:
     def follow(self, stamp: int, skeletons: Skeletons) -> Skeletons:
         """Return `skeletons` with persistent body numbers, smoothed, depending on the settings.
 
+        Bodies below the minimum confidence are left out.
+
         Args:
             stamp: nanoseconds.
             skeletons: the estimate of a frame.
@@ -93,9 +100,23 @@ class TemporalEstimator:
             self.reset()
         self._newest = stamp if self._newest is None else max(stamp, self._newest)
         settings = self.settings
+        skeletons = self._without_doubtful(skeletons)
         if settings.tracked:
             skeletons = self._tracker.follow(stamp, skeletons)
         if settings.smoothing:
             smoothing = OneEuroSettings(settings.smoothing_cutoff, settings.smoothing_beta)
             skeletons = self._filter.filter(stamp, skeletons, smoothing)
         return skeletons
+
+    def _without_doubtful(self, skeletons: Skeletons) -> Skeletons:
+        certain = body_confidence(skeletons.confidence) >= self.settings.minimum_body_confidence
+        # Of which too little is visible: that somebody is there may be certain.
+        certain |= np.isnan(skeletons.positions).all(axis=(1, 2))
+        if certain.all():
+            return skeletons
+        self.left_out += int((~certain).sum())
+        return skeletons._replace(
+            bodies=skeletons.bodies[certain],
+            positions=skeletons.positions[certain],
+            confidence=skeletons.confidence[certain],
+        )

@@ -29,7 +29,8 @@ from lsc_pose_ros.tracking.tracker import Tracker
 
 FRAME = 33_000_000
 START = 1_700_000_000 * 10**9
-SMOOTHED = TemporalSettings(smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
+EVERYBODY = TemporalSettings(minimum_body_confidence=0.0)
+SMOOTHED = replace(EVERYBODY, smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
 BOTH = replace(SMOOTHED, body_ids=TRACKED)
 
 
@@ -77,7 +78,7 @@ def assert_same(found, expected):
 
 
 def test_nothing_is_done_unasked(answers):
-    assert_same(run(TemporalEstimator(Script(answers), TemporalSettings()), 30), answers)
+    assert_same(run(TemporalEstimator(Script(answers), EVERYBODY), 30), answers)
 
 
 def test_numbers_first_then_smoothing(answers):
@@ -120,7 +121,7 @@ def test_reset_forgets(answers):
 
 
 def test_settings_and_estimator_change_while_it_runs(answers):
-    temporal_estimator = TemporalEstimator(Script(answers), TemporalSettings())
+    temporal_estimator = TemporalEstimator(Script(answers), EVERYBODY)
     assert_same(run(temporal_estimator, 5), answers[:5])
     temporal_estimator.settings = SMOOTHED
     first, second = run(temporal_estimator, 2, START + 5 * FRAME)
@@ -129,3 +130,34 @@ def test_settings_and_estimator_change_while_it_runs(answers):
     temporal_estimator.estimator = cast('Any', Script(answers))
     temporal_estimator.settings = TemporalSettings()
     assert_same(run(temporal_estimator, 3, START + 7 * FRAME), answers[:3])
+
+
+def test_bodies_of_low_confidence_are_left_out_and_counted(answers):
+    estimator = TemporalEstimator(Script(answers), replace(EVERYBODY, minimum_body_confidence=0.6))
+    found = run(estimator, 30)
+    left_out = 0
+    for one, given in zip(found, answers, strict=True):
+        # The mean of the better half: two of three joints.
+        best = np.sort(given.confidence, axis=1)[:, 1:].mean(axis=1)
+        kept = best >= 0.6
+        left_out += (~kept).sum()
+        np.testing.assert_array_equal(one.bodies, given.bodies[kept])
+        np.testing.assert_array_equal(one.positions, given.positions[kept])
+        np.testing.assert_array_equal(one.confidence, given.confidence[kept])
+    assert estimator.left_out == left_out > 0
+
+
+def test_the_minimum_can_change_between_two_frames(answers):
+    estimator = TemporalEstimator(Script(answers), EVERYBODY)
+    assert len(run(estimator, 1)[0].bodies) == 2
+    estimator.settings = replace(EVERYBODY, minimum_body_confidence=1.0)
+    assert len(run(estimator, 1)[0].bodies) == 0
+    assert estimator.left_out == 2
+
+
+def test_a_body_without_any_estimate_is_kept(answers):
+    nobody = answers[0]._replace(
+        positions=np.full((2, 3, 3), np.nan, np.float32), confidence=np.zeros((2, 3), np.float32)
+    )
+    estimator = TemporalEstimator(Script([nobody]), TemporalSettings(minimum_body_confidence=0.5))
+    assert_same(run(estimator, 1), [nobody])

@@ -102,3 +102,18 @@ def confidence_in(
         before, after = calibration[joint, knot], calibration[joint, knot + 1]
         confidence[joint] = before + part * (after - before)
     return confidence
+
+
+def body_confidence(confidence: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the confidence in each body, 0 to 1, shape (B,).
+
+    It is the mean confidence of the half of its joints that is most certain. So a person of whom
+    only the upper half is seen can have a high one, whereas a piece of furniture, in which no
+    joint is certain, has a low one.
+
+    Args:
+        confidence: in each joint, shape (B, J), at least one joint.
+    """
+    best = np.sort(confidence, axis=1)[:, confidence.shape[1] // 2 :]
+    means: NDArray[np.float32] = best.mean(axis=1)
+    return means
