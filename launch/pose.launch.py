@@ -57,7 +57,7 @@ BOOLEAN = ('true', 'false')
 # those of lsc_pose_ros/settings/table.py, which the Python of `ros2 launch` may not find.
 PARAMETERS = {
     'model': (),
-    'segmentation': ('mask', 'background', 'nearest'),
+    'segmentation': ('auto', 'mask', 'people', 'background', 'nearest'),
     'rectified': ('auto', 'true', 'false'),
     'camera_roll': ('auto', '0', '90', '180', '270'),
     'depth_transport': ('raw', 'compressedDepth'),

@@ -168,7 +168,10 @@ def test_arguments_of_a_recording_are_checked(recording: Path) -> None:
 @pytest.mark.parametrize(
     ('settings', 'reason'),
     [
-        ({'segmentation': 'nearst'}, "segmentation cannot be 'nearst'; it must be mask or "),
+        (
+            {'segmentation': 'nearst'},
+            "segmentation cannot be 'nearst'; it must be auto or ",
+        ),
         (
             {'mask_background': '255'},
             "mask_background cannot be '255'; it must be of type integer",

@@ -19,6 +19,7 @@ import os
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TypeAlias
 
@@ -77,6 +78,7 @@ class FrameReader:
             and is cleared by the next one.
         camera: how the last camera info was read: which matrix was taken, and why.
         roll: which roll of the camera was taken, and why.
+        bodies: how the bodies of the last frame were found.
     """
 
     def __init__(self, messages: RecordingReader, topics: Topics, settings: FrameSettings) -> None:
@@ -86,7 +88,7 @@ class FrameReader:
         self.path = messages.path
         self.topics = topics
         self.warnings = messages.warnings
-        self.camera = self.roll = ''
+        self.camera = self.roll = self.bodies = ''
 
     @property
     def count(self) -> int | None:
@@ -123,6 +125,7 @@ class FrameReader:
                 unusable.add(str(error))
                 continue
             self.camera, self.roll = maker.camera, maker.roll_finder.choice
+            self.bodies = maker.bodies
             usable += 1
             yield frame
         self.warnings.extend([*maker.warnings, *reading.warnings()])
@@ -298,9 +301,10 @@ def open_recording(
     Args:
         path: an .mcap or .db3 file (compressed as .zstd or not), or a bag folder.
         topics: the topics' names; each '' is found by type and name.
-        settings: how frames are made from messages. Without the segmentation `mask`, masks are
-            not read.
-        need_mask: if False, a recording without masks gives frames whose labels are all NO_BODY.
+        settings: how frames are made from messages. Masks are read if the segmentation is `mask`,
+            or `auto` and the recording has masks.
+        need_mask: if False, a recording without masks gives frames whose labels are all NO_BODY
+            with the segmentation `mask`.
 
     Raises:
         InputError: there is no recording, a topic is missing or ambiguous, or an argument or
@@ -315,9 +319,12 @@ def open_recording(
     if not any(topic.count != 0 for topic in messages.topics.values()):
         list(messages)  # for its warnings
         raise InputError('; '.join([f'{path}: the recording has no messages', *messages.warnings]))
-    with_masks = settings.segmentation == MASK
+    with_masks = settings.reads_masks
     transports = Transports(settings.depth_transport, settings.mask_transport)
-    found = find_topics(topics, recorded, transports, with_masks=with_masks, need_mask=need_mask)
+    must_have = need_mask and settings.segmentation == MASK
+    found = find_topics(topics, recorded, transports, with_masks=with_masks, need_mask=must_have)
+    if found.mask:
+        settings = replace(settings, segmentation=MASK)
     return FrameReader(messages, found, settings)
 
 

@@ -16,6 +16,7 @@
 """Summarises a recording by reading all of it, including its checksums."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,7 +24,7 @@ from lsc_pose_ros.bags.frames import FrameReader, open_recording
 from lsc_pose_ros.bags.storage.reader import RecordingReader, read_messages
 from lsc_pose_ros.bags.topics import Topics
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.settings.table import FrameSettings
+from lsc_pose_ros.settings.table import MASK, FrameSettings
 
 
 class TopicReport(NamedTuple):
@@ -83,6 +84,8 @@ class Inspection:
         self._frame_count = 0
         self._labelled = 0
         try:
+            if settings.reads_masks:  # frames are counted, not segmented
+                settings = replace(settings, segmentation=MASK)
             self._frames = open_recording(path, topics, settings=settings, need_mask=False)
         except InputError as error:
             self._without_frames = [f'it has no frames: {error}']

@@ -22,7 +22,7 @@ from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.image_encodings import DEPTH_TYPES
 from lsc_pose_ros.messages.type_names import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, POINT_CLOUD
-from lsc_pose_ros.settings.table import BACKGROUND, COMPRESSED_DEPTH, NEAREST, RAW
+from lsc_pose_ros.settings.table import BACKGROUND, COMPRESSED_DEPTH, PEOPLE, RAW
 
 _IMAGES = (IMAGE, COMPRESSED_IMAGE)
 _MASK_WORDS = ('mask', 'body_index', 'label', 'segment')
@@ -127,7 +127,7 @@ def _no_mask(recorded: RecordedTopics, depth: str, given: str = '') -> str:
     return (
         f'{recorded.path}: {f"no topic {given}" if given else "no mask topic"} was recorded; '
         f'{choice}'
-        f'find the people without one: --segmentation {BACKGROUND} or {NEAREST}'
+        f'find the people without one: --segmentation {PEOPLE} or {BACKGROUND}'
     )
 
 

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from lsc_pose_ros.settings.setting import Change, Setting, setting, settings_of
 
 MASK = 'mask'
+PEOPLE = 'people'
 BACKGROUND = 'background'
 NEAREST = 'nearest'
 
@@ -128,10 +129,13 @@ class SegmentationSettings:
     """How bodies are separated from what is behind them."""
 
     segmentation: str = setting(
-        MASK,
+        AUTO,
         'How a body is separated from what is behind it.',
         choices={
+            AUTO: 'mask if masks are published, or recorded; otherwise people.',
             MASK: 'a mask image, which another program publishes, shows the bodies.',
+            PEOPLE: 'no mask is needed. A forest finds all people by the body parts that the '
+            'pixels show.',
             BACKGROUND: 'no mask is needed. The camera stands still and sees the scene without '
             'people for background_seconds; a body is what appears in front of it later.',
             NEAREST: 'no mask is needed. A body is the nearest object of the size of a person.',
@@ -143,7 +147,7 @@ class SegmentationSettings:
         unit='metres',
         lowest=0.0,
         highest=20.0,
-        details='Used with segmentation background or nearest. It must be below range_max.',
+        details='Not used with a mask. It must be below range_max.',
     )
     range_max: float = setting(
         5.0,
@@ -171,6 +175,11 @@ class SegmentationSettings:
         'depth.',
     )
 
+    @property
+    def reads_masks(self) -> bool:
+        """Whether masks are used if there are any."""
+        return self.segmentation in (AUTO, MASK)
+
 
 @dataclass(frozen=True)
 class MaskSettings:
@@ -196,6 +205,16 @@ class TemporalSettings:
             TRACKED: 'the node tracks the bodies, and each keeps its number. For segmentations '
             'that number the bodies differently in each image.',
         },
+    )
+    minimum_body_confidence: float = setting(
+        0.1,
+        'Least confidence of a body: the mean confidence of the better half of its joints.',
+        unit='probability',
+        lowest=0.0,
+        highest=1.0,
+        change=Change.ANY_TIME,
+        details='Other bodies are not published. People who are cut off or hidden have less than '
+        'others, as has furniture that is taken for a person.',
     )
     smoothing: bool = setting(
         default=False,

@@ -25,7 +25,7 @@ from lsc_pose_ros.messages.mask_check import MaskCheck
 from lsc_pose_ros.messages.parse import StampedCamera
 from lsc_pose_ros.segmentation.ground_truth_numbers import numbered_as_ground_truth
 from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
-from lsc_pose_ros.settings.table import FrameSettings
+from lsc_pose_ros.settings.table import AUTO, PEOPLE, FrameSettings
 
 
 class FrameMaker:
@@ -34,6 +34,7 @@ class FrameMaker:
     Attributes:
         camera: how the last camera info was read: which matrix was taken, and why.
         roll_finder: finds the roll of the camera; add transforms to its tree as they come.
+        bodies: how the bodies of the last frame were found.
         warnings: sentences on what is suspicious so far, each once.
     """
 
@@ -47,7 +48,7 @@ class FrameMaker:
         Raises:
             InputError: the segmentation is unknown, or its range is empty.
         """
-        self.camera = ''
+        self.camera = self.bodies = ''
         self.roll_finder = RollFinder(settings.roll, settings.gravity_frame)
         self.warnings: list[str] = []
         self._topics = topics
@@ -79,16 +80,27 @@ class FrameMaker:
         )
         frame = upright(frame, self.roll_finder.find(frame.frame_id))
         self._warn(self.roll_finder.warning)
-        if self._segmenter is not None:
+        with_mask = mask is not None and self._settings.reads_masks
+        self.bodies = self._describe_bodies(with_mask=with_mask)
+        if self._segmenter is not None and not with_mask:
             labels = segment(self._segmenter, frame.stamp, frame.depth, frame.camera)
             if frame.ground_truth is not None:
                 labels = numbered_as_ground_truth(labels, frame.ground_truth, frame.camera)
             frame = frame._replace(labels=labels)
             self._warn(self._segmenter.warning)
-        elif mask is not None:
+        elif with_mask:
             self._mask_check.add(frame.labels)
             self._warn(self._mask_check.warning)
         return frame
+
+    def _describe_bodies(self, *, with_mask: bool) -> str:
+        if with_mask:
+            return f'bodies are the masks of {self._topics.mask}'
+        if self._segmenter is None:
+            return 'bodies are not found: there is no mask'
+        if self._settings.segmentation != AUTO:
+            return f'bodies are found by segmentation {self._settings.segmentation}'
+        return f'bodies are found by segmentation {PEOPLE}, because there is no mask'
 
     def _note_camera(self, camera: StampedCamera) -> None:
         self.camera = camera.choice

@@ -92,6 +92,18 @@ class LiveSynchronizer(Generic[Depth, Mask, CameraInfo]):
     def slop_ns(self, slop_ns: int) -> None:
         self._synchronizer.slop_ns = slop_ns
 
+    @property
+    def with_masks(self) -> bool:
+        """Whether depth images wait for their masks; can be changed.
+
+        When they no longer wait, those that did are delivered without a mask.
+        """
+        return self._synchronizer.with_masks
+
+    @with_masks.setter
+    def with_masks(self, with_masks: bool) -> None:
+        self._deliver_all(self._synchronizer.use_masks(with_masks=with_masks))
+
     def add_depth(self, stamp: int, depth: Depth) -> None:
         """Add a depth image; `stamp` in nanoseconds."""
         self.depth += 1

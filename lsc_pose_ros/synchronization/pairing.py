@@ -47,7 +47,14 @@ class Pairing(Generic[DepthItem, MaskItem]):
             `in_order`.
     """
 
-    def __init__(self, *, slop_ns: int = 0, capacity: int = 100, in_order: bool = False) -> None:
+    def __init__(
+        self,
+        *,
+        slop_ns: int = 0,
+        capacity: int = 100,
+        in_order: bool = False,
+        last_depth: int = _BEFORE_ALL,
+    ) -> None:
         """Start with no items.
 
         Args:
@@ -57,6 +64,7 @@ class Pairing(Generic[DepthItem, MaskItem]):
             capacity: how many items of each kind may wait for a partner.
             in_order: True for pairs with increasing stamps: an item that is older than the last
                 pair is left out.
+            last_depth: the stamp of the last depth image that has been used already.
         """
         self.slop_ns = slop_ns
         self._capacity = capacity
@@ -66,12 +74,18 @@ class Pairing(Generic[DepthItem, MaskItem]):
         self._paired_depth: OrderedDict[int, None] = OrderedDict()
         self._paired_mask: OrderedDict[int, None] = OrderedDict()
         self._newest_depth = self._newest_mask = _BEFORE_ALL
-        self._last_depth = self._last_mask = _BEFORE_ALL
+        self._last_depth, self._last_mask = last_depth, _BEFORE_ALL
+        self._paired_depth[last_depth] = None
         self._equal_stamps_seen = False
         self.dropped_depth = 0
         self.dropped_mask = 0
         self.duplicates = 0
         self.late = 0
+
+    @property
+    def last_depth(self) -> int:
+        """The stamp of the depth image of the last pair, nanoseconds; only with `in_order`."""
+        return self._last_depth
 
     @property
     def waiting_depth(self) -> int:
@@ -112,6 +126,12 @@ class Pairing(Generic[DepthItem, MaskItem]):
         pairs = self._pairs_with(stamp)
         self.dropped_mask += drop_oldest(self._mask, self._capacity)
         return pairs
+
+    def take_depth(self) -> list[tuple[int, DepthItem]]:
+        """Return the depth images that wait for a mask, by stamp, and wait for none of them."""
+        waiting = sorted(self._depth.items(), key=lambda item: item[0])
+        self._depth.clear()
+        return waiting
 
     def finish(self) -> list[tuple[int, DepthItem, MaskItem]]:
         """Return the pairs within the slop that still waited, and count the rest as dropped."""

@@ -126,13 +126,13 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
         self._settings = settings
         self._find_first_info = find_first_info
         self._future_info: CameraInfo | None = None
+        self._last_stamp = _BEFORE_ALL
         self._pairing: Pairing[Depth, Mask] = self._new_pairing()
         self._waiting: deque[_WaitingFrame[Depth, Mask, CameraInfo, GroundTruth]] = deque()
         self._camera_infos: CameraInfos[CameraInfo] = CameraInfos(
             2 * settings.capacity, live=settings.live
         )
         self._ground_truths: OrderedDict[int, GroundTruth] = OrderedDict()
-        self._last_stamp = _BEFORE_ALL
         self._dropped_before = DropCounts()
         self.pairs = 0
         self.without_camera_info = 0
@@ -157,6 +157,30 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
     def slop_ns(self, slop_ns: int) -> None:
         self._settings = self._settings._replace(slop_ns=slop_ns)
         self._pairing.slop_ns = slop_ns
+
+    @property
+    def with_masks(self) -> bool:
+        """Whether depth images wait for their masks."""
+        return self._settings.with_masks
+
+    def use_masks(
+        self, *, with_masks: bool
+    ) -> list[SynchronizedFrame[Depth, Mask, CameraInfo, GroundTruth]]:
+        """Let depth images wait for masks from now on, or no longer.
+
+        Args:
+            with_masks: whether they wait. If not, the images that wait become frames without a
+                mask.
+        """
+        if with_masks == self._settings.with_masks:
+            return []
+        self._settings = self._settings._replace(with_masks=with_masks)
+        waiting = self._pairing.take_depth()
+        self._pairing.finish()
+        self._last_stamp = max(self._last_stamp, self._pairing.last_depth)
+        self._dropped_before = self.dropped
+        self._pairing = self._new_pairing()
+        return [frame for stamp, depth in waiting for frame in self.add_depth(stamp, depth)]
 
     def add_depth(
         self, stamp: int, depth: Depth
@@ -210,10 +234,10 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
         """
         frames = self.finish()
         self._dropped_before = self.dropped
+        self._last_stamp = _BEFORE_ALL
         self._pairing = self._new_pairing()
         self._camera_infos.forget_stamps()
         self._ground_truths.clear()
-        self._last_stamp = _BEFORE_ALL
         return frames
 
     def _first_info(self) -> CameraInfo | None:
@@ -226,7 +250,10 @@ class Synchronizer(Generic[Depth, Mask, CameraInfo, GroundTruth]):
     def _new_pairing(self) -> Pairing[Depth, Mask]:
         settings = self._settings
         return Pairing(
-            slop_ns=settings.slop_ns, capacity=settings.capacity, in_order=settings.live
+            slop_ns=settings.slop_ns,
+            capacity=settings.capacity,
+            in_order=settings.live,
+            last_depth=self._last_stamp,
         )
 
     def _is_newer(self, stamp: int) -> bool:

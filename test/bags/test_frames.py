@@ -34,7 +34,8 @@ from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.compressed_depth import encode_compressed_depth
 from lsc_pose_ros.messages.codecs.png import write_png
-from lsc_pose_ros.settings.table import FrameSettings
+from lsc_pose_ros.segmentation.segmenter import make_segmenter
+from lsc_pose_ros.settings.table import FrameSettings, SegmentationSettings
 
 SHAPE = (48, 64)
 DEPTH = np.random.default_rng(0).integers(500, 5000, SHAPE, dtype=np.uint16)
@@ -127,8 +128,24 @@ def test_mask_with_the_background_255(tmp_path):
 
 def test_without_masks_where_none_are_needed(tmp_path):
     path = write(tmp_path / 'a.mcap', [depth_image(), info()])
-    (frame,) = open_recording(path, need_mask=False)
+    masks = FrameSettings(segmentation='mask')
+    (frame,) = open_recording(path, settings=masks, need_mask=False)
     assert (frame.labels == NO_BODY).all()
+    with pytest.raises(InputError, match='no mask topic was recorded'):
+        open_recording(path, settings=masks)
+
+
+def test_auto_uses_masks_if_there_are_any(tmp_path):
+    with_masks = open_recording(write(tmp_path / 'a.mcap', [depth_image(), mask_image(), info()]))
+    (frame,) = with_masks
+    np.testing.assert_array_equal(frame.labels, LABELS)
+    assert with_masks.bodies == 'bodies are the masks of /mask'
+    without = open_recording(write(tmp_path / 'b.mcap', [depth_image(), info()]))
+    (frame,) = without
+    segmenter = make_segmenter(SegmentationSettings('people'))
+    expected = segmenter.labels(frame.depth, frame.camera)
+    np.testing.assert_array_equal(frame.labels, expected)
+    assert 'found by segmentation people, because there is no mask' in without.bodies
 
 
 def test_topics_by_their_encoding(tmp_path):
@@ -182,7 +199,6 @@ def test_damaged_message_is_left_out(tmp_path):
     [
         ([mask_image(), info()], 'no depth topic'),
         ([depth_image(), mask_image()], 'no camera info'),
-        ([depth_image(), info()], 'no mask topic'),
         ([depth_image(), mask_image(), info(k=[0] * 9)], 'K of the camera info is all zero'),
         (
             [depth_image(), mask_image(height=24, step=64), info()],

@@ -278,7 +278,8 @@ def test_nobody_within_the_range(
     words = (recording, '-o', tmp_path / 'out.mcap', '--model', small_model_file)
     ranges = ('--range-min', '0.1', '--range-max', '0.2')
     text = complain(capsys, *words, '--segmentation', 'nearest', *ranges)
-    assert '--segmentation nearest finds nobody in 12 frames' in text
+    assert 'nobody is found in 12 frames' in text
+    assert 'found by segmentation nearest' in text
     assert list(tmp_path.iterdir()) == []
 
 
@@ -381,7 +382,8 @@ def test_recording_without_masks(
     with RecordingWriter(path) as writer:
         for frame in people[:3]:
             writer.write_frame(frame, DEFAULT_TOPICS._replace(mask=''))
-    assert 'no mask topic' in complain(capsys, path, '-o', tmp_path / 'out.mcap')
+    words = (path, '-o', tmp_path / 'out.mcap', '--segmentation', 'mask')
+    assert 'no mask topic' in complain(capsys, *words)
 
 
 @pytest.mark.parametrize(

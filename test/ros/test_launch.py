@@ -212,7 +212,7 @@ def test_azure_kinect_brings_its_own_mask(launch_file: ModuleType) -> None:
 
 def test_mask_that_is_named_is_used(launch_file: ModuleType) -> None:
     node, _ = started(launch_file, camera='realsense')
-    assert set_in(node)['segmentation'] == 'nearest'
+    assert set_in(node)['segmentation'] == 'auto'
     node, _ = started(launch_file, camera='realsense', mask='/people')
     assert set_in(node)['segmentation'] == 'mask'
     assert dict(node['remappings'])['mask'] == '/people'
@@ -234,7 +234,7 @@ def test_command_line_wins_over_the_preset(launch_file: ModuleType) -> None:
     assert set_in(node) == {
         'depth_transport': 'compressedDepth',
         'model': 'm.npz',
-        'segmentation': 'nearest',
+        'segmentation': 'auto',
     }
     assert rviz['arguments'][-1] == 'left'
 
@@ -370,7 +370,7 @@ def test_preset_names_topics_of_the_node_and_its_source(camera: str) -> None:
     assert all(topic.startswith('/') for topic in preset['topics'].values())
     # Without a mask the node must know another way.
     has_mask = 'mask' in preset['topics']
-    assert preset['parameters']['segmentation'] == ('mask' if has_mask else 'nearest')
+    assert preset['parameters']['segmentation'] == ('mask' if has_mask else 'auto')
     assert re.search(r'^# Topics, .*\n?.*https://', text, re.MULTILINE)
     assert f'pose.launch.py camera:={camera}' in text
     assert re.search(r'^#     ros2 (launch|run) (?!lsc_pose_ros)', text, re.MULTILINE)

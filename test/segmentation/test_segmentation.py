@@ -32,6 +32,7 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.segmentation.background import Background, empty_scene, remove_scene
 from lsc_pose_ros.segmentation.blobs import BARRIER
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
+from lsc_pose_ros.segmentation.people import People
 from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
 from lsc_pose_ros.settings.table import SegmentationSettings
 from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
@@ -274,7 +275,9 @@ def test_removed_scene_is_that_of_numpy() -> None:
 
 
 def test_settings_make_segmenters() -> None:
-    assert make_segmenter(SegmentationSettings()) is None
+    assert make_segmenter(SegmentationSettings('mask')) is None
+    assert isinstance(make_segmenter(SegmentationSettings('auto')), People)
+    assert isinstance(make_segmenter(SegmentationSettings('people')), People)
     assert isinstance(make_segmenter(SegmentationSettings('nearest')), NearestBody)
     assert isinstance(make_segmenter(SegmentationSettings('background')), Background)
 
@@ -282,7 +285,7 @@ def test_settings_make_segmenters() -> None:
 @pytest.mark.parametrize(
     ('settings', 'names'),
     [
-        (SegmentationSettings('middle'), ['segmentation', 'mask or background or nearest']),
+        (SegmentationSettings('middle'), ['segmentation', 'mask or people or background']),
         (SegmentationSettings('nearest', 3.0, 2.0), ['range_min', 'range_max']),
     ],
 )
@@ -293,7 +296,7 @@ def test_errors_name_the_bad_settings(settings: SegmentationSettings, names: lis
         assert name in str(error.value)
 
 
-@pytest.mark.parametrize('mode', ['nearest', 'background'])
+@pytest.mark.parametrize('mode', ['people', 'nearest', 'background'])
 def test_warm_up_compiles_everything(mode: str) -> None:
     """Run in a separate process, in which no other test has compiled kernels."""
     program = f"""
@@ -302,6 +305,8 @@ from room_scene import Person, Room, look
 from lsc_pose_ros.segmentation import background
 from lsc_pose_ros.segmentation import blobs
 from lsc_pose_ros.segmentation import background_planes as room
+from lsc_pose_ros.segmentation import cell_labels, person_cells, person_instances
+from lsc_pose_ros.body_parts import depth_grid, part_forest
 from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
 from lsc_pose_ros.settings.table import SegmentationSettings
 from lsc_pose_ros.estimation.warm_up import warm_up_segmenter
@@ -309,7 +314,8 @@ from lsc_pose_ros.estimation.warm_up import warm_up_segmenter
 def compiled():
     return {{
         (module.__name__, name): len(value.signatures)
-        for module in (background, blobs, room)
+        for module in (background, blobs, room, depth_grid, part_forest, cell_labels,
+                       person_cells, person_instances)
         for name, value in vars(module).items()
         if isinstance(value, Dispatcher)
     }}

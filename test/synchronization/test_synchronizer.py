@@ -140,3 +140,55 @@ def test_nothing_waits_without_bound():
     assert len(synchronizer._camera_infos) <= 10
     assert len(synchronizer._ground_truths) <= 10
     assert synchronizer._pairing.waiting_depth <= 100
+
+
+def live_synchronizer(*, with_masks, slop_ns=0):
+    settings = SynchronizerSettings(with_masks=with_masks, live=True, slop_ns=slop_ns)
+    synchronizer = Synchronizer(settings)
+    for stamp in range(1, 30):
+        add_info(synchronizer, stamp)
+    return synchronizer
+
+
+def answers(frames):
+    return [(frame.stamp, frame.mask) for frame in frames]
+
+
+def test_images_that_wait_for_masks_are_used_without_if_there_are_no_more_masks():
+    synchronizer = live_synchronizer(with_masks=True)
+    synchronizer.add_depth(1, 'depth')
+    assert answers(synchronizer.add_mask(1, 'mask')) == [(1, 'mask')]
+    assert not synchronizer.add_depth(3, 'depth')
+    assert not synchronizer.add_depth(2, 'depth')
+    assert not synchronizer.add_mask(4, 'mask')
+    assert answers(synchronizer.use_masks(with_masks=False)) == [(2, None), (3, None)]
+    assert answers(synchronizer.add_depth(4, 'depth')) == [(4, None)]
+    assert not synchronizer.add_depth(3, 'depth')
+    assert not synchronizer.add_depth(1, 'depth')
+    assert synchronizer.pairs == 4
+    assert synchronizer.dropped.unmatched_masks == 1
+    assert synchronizer.dropped.unmatched_depth == 0
+    assert synchronizer.dropped.late == 2
+
+
+def test_no_image_is_used_twice_when_masks_begin():
+    synchronizer = live_synchronizer(with_masks=False)
+    assert answers(synchronizer.add_depth(5, 'depth')) == [(5, None)]
+    assert not synchronizer.use_masks(with_masks=True)
+    assert not synchronizer.use_masks(with_masks=True)
+    assert not synchronizer.add_depth(5, 'depth')
+    assert not synchronizer.add_depth(4, 'depth')
+    assert not synchronizer.add_mask(5, 'mask')
+    assert not synchronizer.add_depth(6, 'depth')
+    assert answers(synchronizer.add_mask(6, 'mask')) == [(6, 'mask')]
+    assert synchronizer.dropped.duplicates == 1
+    assert synchronizer.dropped.late == 1
+
+
+def test_images_that_wait_within_the_slop_are_paired_no_more():
+    synchronizer = live_synchronizer(with_masks=True, slop_ns=3)
+    synchronizer.add_depth(10, 'depth')
+    assert answers(synchronizer.add_mask(10, 'mask')) == [(10, 'mask')]
+    synchronizer.add_depth(20, 'depth')
+    synchronizer.add_mask(21, 'mask')
+    assert answers(synchronizer.use_masks(with_masks=False)) == [(20, None)]

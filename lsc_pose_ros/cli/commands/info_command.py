@@ -27,14 +27,14 @@ from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_o
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
-from lsc_pose_ros.settings.table import BACKGROUND, NEAREST, FrameSettings
+from lsc_pose_ros.settings.table import BACKGROUND, PEOPLE, FrameSettings
 
 HELP = (
     'Print the contents of a recording or a model. The whole recording is read, including its '
     'checksums, so that the counts and warnings are reliable.'
 )
 
-_NO_MASK = f'{BACKGROUND} or {NEAREST}'
+_NO_MASK = f'{PEOPLE} or {BACKGROUND}'
 
 _ZIP_MAGIC = b'PK\x03\x04'
 _MODEL_SUFFIX = '.npz'
@@ -113,7 +113,7 @@ def _print_recording(report: RecordingReport) -> None:
     print(f'frames     {report.frames}, labelled {report.labelled_frames}')
     print(f'made of    {frame_topics or "-"}')
     if report.frames and not report.frame_topics.get('mask'):
-        print(f'masks      not used; people are found with --segmentation {_NO_MASK}')
+        print(f'masks      none are used; --segmentation {_NO_MASK} finds people without')
     print(f'camera     {report.camera or "-"}')
     print(f'roll       {report.camera_roll or "-"}')
     print('topics')

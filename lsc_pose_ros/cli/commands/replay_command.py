@@ -36,8 +36,7 @@ from lsc_pose_ros.ros.requirements import load_with_ros
 from lsc_pose_ros.settings.setting import settings_of
 from lsc_pose_ros.settings.table import (
     BACKGROUND,
-    MASK,
-    NEAREST,
+    PEOPLE,
     DrawingSettings,
     ModelSettings,
     TemporalSettings,
@@ -171,15 +170,16 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
             bodies += len(skeletons.bodies)
         _warn(reader.warnings)
         if not bodies:
-            raise InputError(_nobody(arguments, frames))
+            raise InputError(_nobody(arguments, reader, frames))
     print(f'{output}: {frames} frames, {bodies} bodies')
     print(f'camera: {reader.camera}; {reader.roll}')
+    print(reader.bodies)
     return 0
 
 
-def _nobody(arguments: argparse.Namespace, frames: int) -> str:
+def _nobody(arguments: argparse.Namespace, reader: FrameReader, frames: int) -> str:
     """Say that a recording shows nobody."""
-    if arguments.segmentation == MASK:
+    if reader.topics.mask:
         return (
             f'{arguments.recording}: the masks of all {frames} frames are empty; '
             'is --mask-background right?'
@@ -191,8 +191,7 @@ def _nobody(arguments: argparse.Namespace, frames: int) -> str:
             f'people, and {question}'
         )
     return (
-        f'{arguments.recording}: --segmentation {arguments.segmentation} finds nobody in '
-        f'{frames} frames; {question}'
+        f'{arguments.recording}: nobody is found in {frames} frames ({reader.bodies}); {question}'
     )
 
 
@@ -229,7 +228,7 @@ def _wait(arguments: argparse.Namespace, reader: FrameReader, publishing: 'Playe
     if not found and seconds is not None:
         renamed = dict(arguments.remap)
         names = ', '.join(renamed.get(topic, topic) for topic in topics)
-        hint = f'; if it uses no mask, add --segmentation {NEAREST}' if reader.topics.mask else ''
+        hint = f'; if it uses no mask, add --segmentation {PEOPLE}' if reader.topics.mask else ''
         msg = (
             f'no subscriber to {names} within {seconds:g} s; '
             f'start pose_node first, remapped to them{hint}'

@@ -59,16 +59,22 @@ class StreamMonitor:
         self._last_counters = counters()
         self._last_received = dict.fromkeys(topics.subscribed, now())
 
-    def check(self, publishers: Mapping[str, int], delivery: Mapping[str, Delivery]) -> None:
+    def check(
+        self,
+        needed: TopicNames,
+        publishers: Mapping[str, int],
+        delivery: Mapping[str, Delivery],
+    ) -> None:
         """Log what went wrong since the last check, and what is right again.
 
         Args:
+            needed: the topics without which no frame is complete.
             publishers: how many publishers each topic has.
             delivery: how the messages of each topic are delivered.
         """
         before, self._last_counters = self._last_counters, self._counters()
         silence = self._update_silence(self._last_counters.since(before))
-        context = StreamContext(self._topics, publishers, self._profile, silence, delivery)
+        context = StreamContext(needed, publishers, self._profile, silence, delivery)
         self._reminders.update(stream_warnings(before, self._last_counters, context))
 
     def _update_silence(self, increase: Counters) -> dict[str, float]:

@@ -135,8 +135,8 @@ def stream_warnings(before: Counters, now: Counters, context: StreamContext) -> 
 
 _DEPTH_REMEDY = 'start the camera, or remap depth/image to its topic'
 _MASK_REMEDY = (
-    'start the segmentation, remap mask to its topic, or set the parameter segmentation to '
-    'nearest or background, which need no mask'
+    'start the program that publishes masks, remap mask to its topic, or set the parameter '
+    'segmentation to people or background, which need no mask'
 )
 
 

@@ -31,7 +31,7 @@ from lsc_pose_ros.ros.io.subscription import (
     SubscriptionRequest,
     TopicSubscription,
 )
-from lsc_pose_ros.settings.table import MASK, NodeSettings
+from lsc_pose_ros.settings.table import AUTO, MASK, NodeSettings
 from lsc_pose_ros.synchronization.live_synchronizer import LiveSynchronizer
 from lsc_pose_ros.synchronization.synchronizer import SynchronizerSettings
 
@@ -48,8 +48,12 @@ class Inputs:
     If the parameter `reliability` is auto, a topic is subscribed to when it has a publisher, with
     a QoS that is compatible with all its publishers, and again when that QoS changes.
 
+    If the parameter `segmentation` is auto, depth images wait for masks as long as the topic of
+    the masks has a publisher.
+
     Attributes:
-        topics: the full names of the topics, after remapping.
+        topics: the full names of the topics, after remapping; `mask` is empty if masks are not
+            used in any case.
     """
 
     def __init__(
@@ -68,14 +72,14 @@ class Inputs:
             deliver: called with the messages of each frame, in the executor's thread.
         """
         self._node = node
-        with_masks = parameters.segmentation == MASK
+        self._mask_is_optional = parameters.segmentation == AUTO
         self._synchronizer: LiveSynchronizer[ImageMessage, ImageMessage, CameraInfo] = (
             LiveSynchronizer(
                 SynchronizerSettings(
                     slop_ns=round(parameters.sync_slop * NANOSECONDS),
                     capacity=parameters.sync_queue,
                     waiting=parameters.sync_queue,
-                    with_masks=with_masks,
+                    with_masks=parameters.segmentation == MASK,
                 ),
                 lambda frame: deliver(FrameMessages(frame.depth, frame.mask, frame.camera_info)),
             )
@@ -86,7 +90,7 @@ class Inputs:
                 'depth/camera_info', CameraInfo, self._add_camera_info, latched=True
             ),
         ]
-        if with_masks:
+        if parameters.reads_masks:
             requests.append(
                 self._image_request('mask', 'mask_transport', parameters.mask_transport)
             )
@@ -104,6 +108,11 @@ class Inputs:
     def set_sync_slop(self, seconds: float) -> None:
         """Set the largest difference between the stamps of a depth image and its mask."""
         self._synchronizer.slop_ns = round(seconds * NANOSECONDS)
+
+    @property
+    def needed_topics(self) -> TopicNames:
+        """The topics without which no frame is complete, now."""
+        return self.topics if self._synchronizer.with_masks else self.topics._replace(mask='')
 
     def publishers(self) -> dict[str, int]:
         """Return the number of publishers of each topic."""
@@ -148,6 +157,10 @@ class Inputs:
     def _update_subscriptions(self) -> None:
         for each in self._subscriptions:
             each.update()
+        if self._mask_is_optional:
+            has_publisher = self._node.count_publishers(self.topics.mask) > 0
+            if has_publisher != self._synchronizer.with_masks:
+                self._synchronizer.with_masks = has_publisher
 
     def _image_request(self, topic: str, parameter: str, transport: str) -> SubscriptionRequest:
         add = self._add_depth if parameter == 'depth_transport' else self._add_mask

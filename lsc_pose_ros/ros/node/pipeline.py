@@ -142,9 +142,11 @@ class Pipeline:
         with stage('publish'):
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
         self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
+        left_out = self._temporal_estimator.left_out
+        self._diagnostics.notes['bodies left out, low confidence'] = str(left_out)
 
     def _log_frames(self) -> None:
-        """Log how camera infos are read, when that changes, and what is suspicious."""
+        """Log how frames are made, when that changes, and what is suspicious."""
         camera, roll = self._maker.camera, self._maker.roll_finder.choice
         if camera != self._diagnostics.notes.get('camera'):
             self._diagnostics.notes['camera'] = camera
@@ -152,6 +154,9 @@ class Pipeline:
         if roll != self._diagnostics.notes.get('camera roll'):
             self._diagnostics.notes['camera roll'] = roll
             self._node.get_logger().info(roll)
+        if self._maker.bodies != self._diagnostics.notes.get('bodies'):
+            self._diagnostics.notes['bodies'] = self._maker.bodies
+            self._node.get_logger().info(self._maker.bodies)
         for warning in self._maker.warnings:
             if warning not in self._warned:
                 self._warned.add(warning)
@@ -178,7 +183,8 @@ class Pipeline:
             self._log.error(type(error).__name__, f'a frame was left out: {text}')
 
     def _log_warnings(self) -> None:
-        self._monitor.check(self.inputs.publishers(), self.inputs.delivery())
+        inputs = self.inputs
+        self._monitor.check(inputs.needed_topics, inputs.publishers(), inputs.delivery())
 
 
 def _counters(inputs: Inputs, worker: Worker[FrameMessages]) -> Counters:

@@ -26,7 +26,7 @@ class Stream:
         self.time = 0.0
         self.counters = Counters()
         self.lines: list[str] = []
-        topics = TopicNames('/depth', '/info', '/mask')
+        topics = self.topics = TopicNames('/depth', '/info', '/mask')
         self.monitor = StreamMonitor(
             self, topics, '/profile.xml', lambda: self.counters, lambda: self.time
         )
@@ -48,7 +48,7 @@ class Stream:
             self.time += 5.0
             changed = {name: getattr(self.counters, name) + rate for name, rate in rates.items()}
             self.counters = self.counters._replace(**changed)
-            self.monitor.check({}, {})
+            self.monitor.check(self.topics, {}, {})
         return list(self.lines)
 
 

@@ -100,7 +100,7 @@ def test_integer_is_accepted_for_a_double(declare: Callable[..., NodeSettings]) 
         ('sync_queue', 0, 'from 1 to 1000'),
         ('minimum_confidence', 1.5, 'from 0.0 to 1.0'),
         ('reliability', 'certain', 'auto or best_effort or reliable'),
-        ('segmentation', 'guess', 'mask or background or nearest'),
+        ('segmentation', 'guess', 'auto or mask or people or background or nearest'),
         ('body_ids', 'names', 'mask or tracked'),
         ('query_points', -1, 'from 0 to 10000'),
         ('rectified', 5, 'auto or true or false'),
@@ -140,6 +140,7 @@ BAD_AT_ANY_TIME = [
     ('sync_slop', 2.0, 'sync_slop out of range'),
     ('sync_slop', float('nan'), 'sync_slop out of range'),
     ('minimum_confidence', -0.1, 'minimum_confidence out of range'),
+    ('minimum_body_confidence', 1.1, 'minimum_body_confidence out of range'),
     ('marker_lifetime', 'long', 'Wrong parameter type'),
     ('smoothing', 1, 'Wrong parameter type'),
     ('smoothing_cutoff', 0.0, 'smoothing_cutoff out of range'),
@@ -158,6 +159,7 @@ GOOD_AT_ANY_TIME = {
     'smoothing_beta': 0.1,
     'minimum_confidence': 0.3,
     'marker_lifetime': 2.0,
+    'minimum_body_confidence': 0.4,
 }
 
 WHILE_UNCONFIGURED = {
@@ -224,7 +226,7 @@ def test_what_is_refused_and_what_is_taken_while_the_node_is_unconfigured(
         assert not services.set(name, value), name
         assert services.get(name) == value
     bad = [
-        ('segmentation', 'guess', 'mask or background or nearest'),
+        ('segmentation', 'guess', 'auto or mask or people or background or nearest'),
         ('depth_transport', 'theora', 'raw or compressedDepth'),
         ('mask_transport', 'theora', 'raw or compressed'),
         ('reliability', 'certain', 'auto or best_effort or reliable'),

@@ -351,7 +351,7 @@ def test_lost_images_are_told_with_the_remedy(
 def test_with_the_profile_no_image_is_lost(
     start_node: Callable[..., Program], start_program: Callable[..., Program]
 ) -> None:
-    node = start_node(reliability='best_effort')
+    node = start_node(reliability='best_effort', segmentation='mask')
     start_program(DEFAULT_CAMERA, 5)  # the profile's memory holds ten seconds of that
     # The same report that would name losses names what is silent.
     assert node.prints('nothing received on /mask for 5 s (no publishers)'), node.output
