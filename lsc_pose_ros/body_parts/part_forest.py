@@ -40,7 +40,7 @@ CLASSES = 1 + len(JOINT_NAMES)
 BEYOND = np.float32(10.0)
 """The depth of a cell that is unknown or outside of the image, metres."""
 
-SURE = np.float32(0.97)
+SURE = np.float32(0.8)
 """If the first trees say "no person" with this probability, the others are not asked."""
 
 _FULL = np.float32(1.0 / 255.0)

@@ -33,6 +33,9 @@ STRIDE = 2
 SMOOTHING_REACH = 2
 """Half width of the window in which probabilities are averaged, classified cells."""
 
+FARTHEST = 6.0
+"""People at a larger depth are not found, because the forest has not learnt them, metres."""
+
 PERSON_THRESHOLD = 0.5
 """The least probability that a cell shows a person."""
 
@@ -72,7 +75,8 @@ class People:
         """
         nearest, farthest = self._range
         grid = depth_grid(depth, camera)
-        probabilities = classify(grid, self._forest, STRIDE, farthest)
+        # The range only limits the pixels: a body that reaches out of it is judged as a whole.
+        probabilities = classify(grid, self._forest, STRIDE, FARTHEST)
         cells, bodies = find_people(grid, probabilities, camera)
         numbers = np.append(bodies.body, -1)[cells.number]
         labels = np.where(numbers >= 0, numbers + 1, NO_BODY).astype(np.int32)

@@ -283,6 +283,18 @@ def test_nobody_within_the_range(
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_room_without_anybody_is_no_error_if_people_are_searched(
+    recording: Path, small_model_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    output = tmp_path / 'out.mcap'
+    words = ('replay', recording, '-o', output, '--model', small_model_file)
+    ranges = ('--range-min', '0.1', '--range-max', '0.2')
+    assert main([str(word) for word in (*words, '--segmentation', 'people', *ranges)]) == 0
+    assert 'warning' in (text := capsys.readouterr().err)
+    assert 'nobody is found in 12 frames' in text
+    assert output.exists()
+
+
 @pytest.mark.parametrize(
     ('words', 'reason'),
     [

@@ -35,6 +35,7 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.ros.requirements import load_with_ros
 from lsc_pose_ros.settings.setting import settings_of
 from lsc_pose_ros.settings.table import (
+    AUTO,
     BACKGROUND,
     PEOPLE,
     DrawingSettings,
@@ -170,11 +171,19 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
             bodies += len(skeletons.bodies)
         _warn(reader.warnings)
         if not bodies:
-            raise InputError(_nobody(arguments, reader, frames))
+            text = _nobody(arguments, reader, frames)
+            if not _can_be_empty(arguments, reader):
+                raise InputError(text)
+            _warn([text])
     print(f'{output}: {frames} frames, {bodies} bodies')
     print(f'camera: {reader.camera}; {reader.roll}')
     print(reader.bodies)
     return 0
+
+
+def _can_be_empty(arguments: argparse.Namespace, reader: FrameReader) -> bool:
+    """Return whether a recording that shows nobody is no sign of a wrong option."""
+    return not reader.topics.mask and arguments.segmentation in (AUTO, PEOPLE)
 
 
 def _nobody(arguments: argparse.Namespace, reader: FrameReader, frames: int) -> str:
