@@ -54,7 +54,7 @@ LEAST_HEAD = 0.008
 LEAST_TRUNK = 0.03
 """The least evidence of a head and of a trunk: probability times area, square metres."""
 
-HEAD_TO_TRUNK = 1.0
+HEAD_TO_TRUNK = 1.3
 """A trunk within this distance of a head belongs to it, along the surface, metres."""
 
 REACH = 2.0

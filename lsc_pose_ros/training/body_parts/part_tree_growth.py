@@ -119,7 +119,7 @@ def n_log_n(count: int) -> NDArray[np.float64]:
     """Return n log2 n for n = 0 to `count`, with 0 log2 0 = 0."""
     values = np.zeros(count + 1)
     for n in range(2, count + 1):
-        values[n] = n * math.log2(n)
+        values[n] = n * np.log2(n)
     return values
 
 
