@@ -110,7 +110,7 @@ class TemporalEstimator:
 
     def _without_doubtful(self, skeletons: Skeletons) -> Skeletons:
         certain = body_confidence(skeletons.confidence) >= self.settings.minimum_body_confidence
-        # Of which too little is visible: that somebody is there may be certain.
+        # A body without any estimated joint may still be one: too little of it is visible.
         certain |= np.isnan(skeletons.positions).all(axis=(1, 2))
         if certain.all():
             return skeletons
