@@ -57,7 +57,9 @@ def test_command_of_the_page_gives_joints(
     )
     camera.wait_for_node(mask='mask' in topics)
     estimates.wait_for_node()
-    for count, frame in enumerate(generate(tmp_path, frames=3), 1):
+    for count, frame in enumerate(generate(tmp_path, frames=6, background=True), 1):
         camera.send(frame)
         assert estimates.wait_for(count), node.output
-    assert all(np.isfinite(found.positions).any() for found in estimates.skeletons.values())
+    # Without masks, the node may miss a person in a single frame.
+    seen = [np.isfinite(found.positions).any() for found in estimates.skeletons.values()]
+    assert sum(seen) >= len(seen) // 2
