@@ -71,6 +71,8 @@ _ALL_ROUND = SyntheticSettings(
     clip_length=3, yaw=180.0, camera_height=(0.3, 2.2), camera_tilt=(-20.0, 30.0)
 )
 _FRONT = _ALL_ROUND._replace(yaw=60.0)
+_ROOMS = _ALL_ROUND._replace(people=2, furniture=True)
+_FRONT_ROOMS = _FRONT._replace(people=2, furniture=True)
 
 _MANY_FRONT = RecordingSpec(
     'kinect_v1_front', _FRONT._replace(frames=12_000, seed=102, mocap_fraction=0.65)
@@ -126,18 +128,29 @@ RECIPES: dict[str, Recipe] = {
             RecordingSpec('zed', _ALL_ROUND._replace(frames=6_000, seed=109, sensor='zed')),
             RecordingSpec('tof', _ALL_ROUND._replace(frames=5_000, seed=110, sensor='tof')),
             # The same with other seeds.
-            RecordingSpec('kinect_v1_more', _ALL_ROUND._replace(frames=8_000, seed=111)),
+            RecordingSpec('kinect_v1_more', _ALL_ROUND._replace(frames=4_000, seed=111)),
             RecordingSpec(
-                'kinect_v2_more', _ALL_ROUND._replace(frames=4_000, seed=112, sensor='kinect_v2')
+                'realsense_more', _ALL_ROUND._replace(frames=4_000, seed=114, sensor='realsense')
+            ),
+            RecordingSpec('zed_more', _ALL_ROUND._replace(frames=6_000, seed=115, sensor='zed')),
+            # Rooms: two people each, many of them seated or half hidden.
+            RecordingSpec('rooms_kinect_v1', _ROOMS._replace(frames=4_000, seed=121)),
+            RecordingSpec(
+                'rooms_kinect_v2', _ROOMS._replace(frames=1_500, seed=122, sensor='kinect_v2')
+            ),
+            RecordingSpec('rooms_azure', _ROOMS._replace(frames=2_000, seed=123, sensor='azure')),
+            RecordingSpec(
+                'rooms_realsense', _ROOMS._replace(frames=2_000, seed=124, sensor='realsense')
             ),
             RecordingSpec(
-                'azure_more', _ALL_ROUND._replace(frames=4_000, seed=113, sensor='azure')
+                'rooms_filtered',
+                _ROOMS._replace(frames=1_500, seed=125, sensor='realsense_filtered'),
             ),
+            RecordingSpec('rooms_zed', _ROOMS._replace(frames=2_000, seed=126, sensor='zed')),
+            RecordingSpec('rooms_tof', _ROOMS._replace(frames=1_500, seed=127, sensor='tof')),
             RecordingSpec(
-                'realsense_more', _ALL_ROUND._replace(frames=6_000, seed=114, sensor='realsense')
+                'rooms_sloppy', _ROOMS._replace(frames=1_000, seed=128, sloppy_masks=True)
             ),
-            RecordingSpec('zed_more', _ALL_ROUND._replace(frames=8_000, seed=115, sensor='zed')),
-            RecordingSpec('tof_more', _ALL_ROUND._replace(frames=4_000, seed=116, sensor='tof')),
         ),
         calibration=(
             RecordingSpec('calibration', _ALL_ROUND._replace(frames=1_800, seed=201)),
@@ -148,6 +161,7 @@ RECIPES: dict[str, Recipe] = {
             RecordingSpec(
                 'calibration_tof', _ALL_ROUND._replace(frames=900, seed=203, sensor='tof')
             ),
+            RecordingSpec('calibration_rooms', _ROOMS._replace(frames=600, seed=204)),
         ),
         tests=_ALL_VIEWS,
         others=_SPECIAL_VIEWS,
@@ -168,8 +182,19 @@ RECIPES: dict[str, Recipe] = {
             ),
             RecordingSpec('front_zed', _FRONT._replace(frames=1_000, seed=306, sensor='zed')),
             RecordingSpec('front_tof', _FRONT._replace(frames=1_000, seed=307, sensor='tof')),
+            RecordingSpec('front_rooms', _FRONT_ROOMS._replace(frames=3_000, seed=321)),
+            RecordingSpec(
+                'front_rooms_azure', _FRONT_ROOMS._replace(frames=1_000, seed=322, sensor='azure')
+            ),
+            RecordingSpec(
+                'front_rooms_realsense',
+                _FRONT_ROOMS._replace(frames=1_000, seed=323, sensor='realsense'),
+            ),
         ),
-        calibration=(RecordingSpec('front_calibration', _FRONT._replace(frames=1_000, seed=401)),),
+        calibration=(
+            RecordingSpec('front_calibration', _FRONT._replace(frames=1_000, seed=401)),
+            RecordingSpec('front_calibration_rooms', _FRONT_ROOMS._replace(frames=300, seed=402)),
+        ),
         tests=_FRONT_VIEWS,
         others=(),
         train_options=('--leaf-samples', '20'),
