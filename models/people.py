@@ -144,12 +144,12 @@ RECIPES: dict[str, Recipe] = {
             ),
             RecordingSpec(
                 'rooms_filtered',
-                _ROOMS._replace(frames=1_500, seed=125, sensor='realsense_filtered'),
+                _ROOMS._replace(frames=800, seed=125, sensor='realsense_filtered'),
             ),
-            RecordingSpec('rooms_zed', _ROOMS._replace(frames=2_000, seed=126, sensor='zed')),
-            RecordingSpec('rooms_tof', _ROOMS._replace(frames=1_500, seed=127, sensor='tof')),
+            RecordingSpec('rooms_zed', _ROOMS._replace(frames=1_000, seed=126, sensor='zed')),
+            RecordingSpec('rooms_tof', _ROOMS._replace(frames=1_000, seed=127, sensor='tof')),
             RecordingSpec(
-                'rooms_sloppy', _ROOMS._replace(frames=1_000, seed=128, sloppy_masks=True)
+                'rooms_sloppy', _ROOMS._replace(frames=800, seed=128, sloppy_masks=True)
             ),
         ),
         calibration=(
@@ -182,13 +182,13 @@ RECIPES: dict[str, Recipe] = {
             ),
             RecordingSpec('front_zed', _FRONT._replace(frames=1_000, seed=306, sensor='zed')),
             RecordingSpec('front_tof', _FRONT._replace(frames=1_000, seed=307, sensor='tof')),
-            RecordingSpec('front_rooms', _FRONT_ROOMS._replace(frames=3_000, seed=321)),
+            RecordingSpec('front_rooms', _FRONT_ROOMS._replace(frames=2_000, seed=321)),
             RecordingSpec(
-                'front_rooms_azure', _FRONT_ROOMS._replace(frames=1_000, seed=322, sensor='azure')
+                'front_rooms_azure', _FRONT_ROOMS._replace(frames=600, seed=322, sensor='azure')
             ),
             RecordingSpec(
                 'front_rooms_realsense',
-                _FRONT_ROOMS._replace(frames=1_000, seed=323, sensor='realsense'),
+                _FRONT_ROOMS._replace(frames=600, seed=323, sensor='realsense'),
             ),
         ),
         calibration=(

@@ -14,7 +14,7 @@
 # limitations under the License.
 
 
-"""Files of body-part forests: an archive of numpy arrays, without anything executable."""
+"""Files of the forests of body parts: an archive of numpy arrays, without anything executable."""
 
 import json
 import os
@@ -24,6 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.body_parts.context import PLANES, PartForests
 from lsc_pose_ros.body_parts.part_forest import BEYOND, CLASSES, PartForest
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
@@ -33,7 +34,7 @@ from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.resources.package_files import resource
 
 FORMAT = 'lsc_pose_ros body parts'
-VERSION = 1
+VERSION = 2
 
 MOST_TREES = 16
 """A forest with more trees would take too long."""
@@ -44,6 +45,7 @@ MOST_SPLITS = 64
 _ARRAYS: dict[str, Form] = {
     'roots': (np.int32, 1),
     'splits': (np.float32, 2),
+    'plane': (np.uint8, 1),
     'left': (np.int32, 1),
     'leaves': (np.uint8, 2),
 }
@@ -53,18 +55,18 @@ class PartForestFile(NamedTuple):
     """The content of a file.
 
     Attributes:
-        forest: the forest.
+        forests: the forests.
         provenance: information for users, by name.
     """
 
-    forest: PartForest
+    forests: PartForests
     provenance: dict[str, str]
 
 
-def save_part_forest(
-    path: str | os.PathLike[str], forest: PartForest, provenance: dict[str, str]
+def save_part_forests(
+    path: str | os.PathLike[str], forests: PartForests, provenance: dict[str, str]
 ) -> None:
-    """Write a forest to `path`: beside it first, so that an older file is never half replaced.
+    """Write forests to `path`: beside it first, so that an older file is never half replaced.
 
     Raises:
         InputError: the file cannot be written.
@@ -78,7 +80,9 @@ def save_part_forest(
         'provenance': provenance,
     }
     arrays: dict[str, Any] = {
-        name: np.asarray(value, _ARRAYS[name][0]) for name, value in forest._asdict().items()
+        f'{which}_{name}': np.asarray(value, _ARRAYS[name][0])
+        for which, forest in forests._asdict().items()
+        for name, value in forest._asdict().items()
     }
     try:
         with partial.open('wb') as file:
@@ -92,11 +96,11 @@ def save_part_forest(
         partial.unlink(missing_ok=True)
 
 
-def load_part_forest(path: str | os.PathLike[str] | None = None) -> PartForestFile:
-    """Return the forest in a file, or that of the package.
+def load_part_forests(path: str | os.PathLike[str] | None = None) -> PartForestFile:
+    """Return the forests in a file, or those of the package.
 
     Args:
-        path: the path of a file; None for the forest that comes with the package.
+        path: the path of a file; None for those that come with the package.
 
     Raises:
         InputError: there is no such file, it is no body-part forest, it has another version, or
@@ -107,18 +111,23 @@ def load_part_forest(path: str | os.PathLike[str] | None = None) -> PartForestFi
         check_sizes(source)
         with np.load(source, allow_pickle=False) as archive:
             provenance = _read_header(archive)
-            arrays = {name: read_array(archive, name, form) for name, form in _ARRAYS.items()}
+            forests = PartForests(*(_read_forest(archive, name) for name in PartForests._fields))
     except FileNotFoundError as error:
         msg = f'there is no file {source}'
         raise InputError(msg) from error
     except Exception as error:  # a damaged file makes numpy raise errors of many types
         raise _unusable(source, error) from error
-    forest = PartForest(**arrays)  # type: ignore[arg-type]
     try:
-        check_part_forest(forest)
+        check_part_forest(forests.first, 1)
+        check_part_forest(forests.second, PLANES)
     except UnusableModelError as error:
         raise _unusable(source, error) from error
-    return PartForestFile(forest, provenance)
+    return PartForestFile(forests, provenance)
+
+
+def _read_forest(archive: Any, which: str) -> PartForest:  # noqa: ANN401
+    arrays = {name: read_array(archive, f'{which}_{name}', form) for name, form in _ARRAYS.items()}
+    return PartForest(**arrays)  # type: ignore[arg-type]
 
 
 def _unusable(source: Path, error: Exception) -> InputError:
@@ -144,14 +153,19 @@ def _read_header(archive: Any) -> dict[str, str]:  # noqa: ANN401
     return {str(name): str(value) for name, value in provenance.items()}
 
 
-def check_part_forest(forest: PartForest) -> None:
+def check_part_forest(forest: PartForest, planes: int) -> None:
     """Check every number that a kernel uses, because kernels check none.
+
+    Args:
+        forest: the forest.
+        planes: the number of planes that it may compare.
 
     Raises:
         UnusableModelError: the parts of the forest do not fit together.
     """
     nodes, leaves = len(forest.left), len(forest.leaves)
-    if forest.splits.shape != (nodes, 5) or forest.leaves.shape[1:] != (CLASSES,) or not leaves:
+    fit = forest.splits.shape == (nodes, 5) and forest.plane.shape == (nodes,)
+    if not fit or forest.leaves.shape[1:] != (CLASSES,) or not leaves:
         msg = 'its parts have shapes that do not fit together'
         raise UnusableModelError(msg)
     roots = forest.roots
@@ -161,6 +175,9 @@ def check_part_forest(forest: PartForest) -> None:
     # Written so that NaN is not good. No depth and no offset is larger than BEYOND.
     if not (np.abs(forest.splits) <= float(BEYOND)).all():
         msg = f'a split is not within {float(BEYOND):g} m'
+        raise UnusableModelError(msg)
+    if forest.plane.max() >= planes:
+        msg = f'a split compares a plane that does not exist; there are {planes}'
         raise UnusableModelError(msg)
     _check_children(forest.left, leaves)
 

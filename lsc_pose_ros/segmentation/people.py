@@ -19,19 +19,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.body_parts.context import CellParts, PartForests, classify_in_context
 from lsc_pose_ros.body_parts.depth_grid import DepthGrid, depth_grid
-from lsc_pose_ros.body_parts.part_forest import PartForest, classify
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.segmentation.cell_labels import labels_from_cells
-from lsc_pose_ros.segmentation.person_cells import PersonCells, person_cells, smooth_person
+from lsc_pose_ros.segmentation.person_cells import PersonCells, person_cells
 from lsc_pose_ros.segmentation.person_instances import Bodies, find_bodies
 
 STRIDE = 2
 """Each second cell of the depth grid is classified, along rows and columns."""
-
-SMOOTHING_REACH = 2
-"""Half width of the window in which probabilities are averaged, classified cells."""
 
 FARTHEST = 6.0
 """People at a larger depth are not found, because the forest has not learnt them, metres."""
@@ -41,10 +38,10 @@ PERSON_THRESHOLD = 0.5
 
 
 class People:
-    """Finds all people, with a forest that classifies body parts.
+    """Finds all people, with forests that classify body parts.
 
-    The forest gives each cell of a coarse grid the probabilities of 20 body parts and of "no
-    person" (`body_parts/part_forest.py`). Cells that show people are given to the nearest head or
+    They give each cell of a coarse grid the probabilities of 20 body parts and of "no person"
+    (`body_parts/context.py`). Cells that show people are given to the nearest head or
     trunk (`person_instances.py`), and pixels to the cells (`cell_labels.py`). The most certain
     person is body 1.
     """
@@ -52,15 +49,15 @@ class People:
     ready = True
     warning = ''
 
-    def __init__(self, forest: PartForest, range_min: float, range_max: float) -> None:
-        """Store forest and range.
+    def __init__(self, forests: PartForests, range_min: float, range_max: float) -> None:
+        """Store forests and range.
 
         Args:
-            forest: classifies body parts.
+            forests: classify body parts.
             range_min: metres; nearer pixels are no body.
             range_max: metres; farther pixels are no body.
         """
-        self._forest = forest
+        self._forests = forests
         self._range = range_min, range_max
 
     def learn(self, stamp: int, depth: NDArray[np.float32]) -> None:
@@ -76,27 +73,24 @@ class People:
         nearest, farthest = self._range
         grid = depth_grid(depth, camera)
         # The range only limits the pixels: a body that reaches out of it is judged as a whole.
-        probabilities = classify(grid, self._forest, STRIDE, FARTHEST)
-        cells, bodies = find_people(grid, probabilities, camera)
+        parts = classify_in_context(grid, self._forests, STRIDE, FARTHEST)
+        cells, bodies = find_people(grid, parts, camera)
         numbers = np.append(bodies.body, -1)[cells.number]
         labels = np.where(numbers >= 0, numbers + 1, NO_BODY).astype(np.int32)
         in_range = np.where((depth >= nearest) & (depth <= farthest), depth, np.float32(0))
-        cell_depth = np.ascontiguousarray(grid.depth[::STRIDE, ::STRIDE])
-        return labels_from_cells(in_range, labels, cell_depth, STRIDE * grid.step, grid.step // 2)
+        return labels_from_cells(in_range, labels, parts.depth, STRIDE * grid.step, grid.step // 2)
 
 
 def find_people(
-    grid: DepthGrid, probabilities: NDArray[np.float32], camera: Intrinsics
+    grid: DepthGrid, parts: CellParts, camera: Intrinsics
 ) -> tuple[PersonCells, Bodies]:
     """Return the cells that show people, and the people.
 
     Args:
         grid: the depth grid.
-        probabilities: of each class at each STRIDE-th cell, shape (h, w, CLASSES).
+        parts: what each STRIDE-th cell shows.
         camera: the intrinsics of the image.
     """
-    depth = np.ascontiguousarray(grid.depth[::STRIDE, ::STRIDE])
-    smoothed = smooth_person(probabilities, depth, SMOOTHING_REACH)
     spacing = STRIDE * grid.step
     in_cells = (
         float(camera.fx / spacing),
@@ -104,5 +98,7 @@ def find_people(
         float((camera.cx - grid.step // 2) / spacing),
         float((camera.cy - grid.step // 2) / spacing),
     )
-    cells = person_cells(probabilities, smoothed, depth, in_cells, PERSON_THRESHOLD)
+    cells = person_cells(
+        parts.probabilities, parts.person, parts.depth, in_cells, PERSON_THRESHOLD
+    )
     return cells, find_bodies(cells)

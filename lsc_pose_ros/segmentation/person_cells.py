@@ -21,12 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.part_forest import NOT_A_PERSON
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.numerics.jit import kernel
-
-SURFACE_STEP = 0.12
-"""Neighbouring cells of one surface differ in depth by at most this, metres."""
 
 _TRUNK = ('neck', 'torso', 'pelvis', 'l_shoulder', 'r_shoulder', 'l_hip', 'r_hip')
 
@@ -61,45 +57,6 @@ class PersonCells(NamedTuple):
 
 
 @kernel
-def smooth_person(
-    probabilities: NDArray[np.float32], depth: NDArray[np.float32], reach: int
-) -> NDArray[np.float32]:
-    """Return the probability that each cell shows a person, averaged over its surface.
-
-    It is the mean of 1 - p(no person) over the cells in the square window around a cell whose
-    depth differs by at most SURFACE_STEP; 0 for a cell that was not classified.
-
-    Args:
-        probabilities: of each class, shape (h, w, CLASSES).
-        depth: of the cells, metres, shape (h, w).
-        reach: half width of the window, cells.
-    """
-    height, width = depth.shape
-    smoothed = np.zeros((height, width), np.float32)
-    person = np.zeros((height, width), np.float32)
-    known = np.zeros((height, width), np.bool_)
-    for i in range(height):
-        for j in range(width):
-            total = np.float32(0)
-            for c in range(probabilities.shape[2]):
-                total += probabilities[i, j, c]
-            known[i, j] = total > 0
-            person[i, j] = total - probabilities[i, j, NOT_A_PERSON]
-    for i in range(height):
-        for j in range(width):
-            if not known[i, j]:
-                continue
-            total, count = np.float32(0), 0
-            for k in range(max(i - reach, 0), min(i + reach + 1, height)):
-                for m in range(max(j - reach, 0), min(j + reach + 1, width)):
-                    if known[k, m] and abs(depth[k, m] - depth[i, j]) <= SURFACE_STEP:
-                        total += person[k, m]
-                        count += 1
-            smoothed[i, j] = total / np.float32(count)
-    return smoothed
-
-
-@kernel
 def person_cells(
     probabilities: NDArray[np.float32],
     smoothed: NDArray[np.float32],
@@ -111,7 +68,7 @@ def person_cells(
 
     Args:
         probabilities: of each class, shape (h, w, CLASSES).
-        smoothed: as `smooth_person` returns, shape (h, w).
+        smoothed: as `smooth_person` returns it, shape (h, w).
         depth: of the cells, metres, shape (h, w).
         camera: fx, fy, cx, cy in cells.
         threshold: the least probability.

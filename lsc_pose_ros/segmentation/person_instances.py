@@ -27,8 +27,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.body_parts.smoothing import SURFACE_STEP
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.segmentation.person_cells import SURFACE_STEP, PersonCells
+from lsc_pose_ros.segmentation.person_cells import PersonCells
 
 NEIGHBOURS = 2
 """Cells are neighbours if their rows and columns differ by at most this: it bridges small gaps."""

@@ -55,7 +55,8 @@ def random_forest(seed: int, trees: int = 3) -> PartForest:
     )
     leaves = rng.integers(0, 256, (4 * trees, CLASSES)).astype(np.uint8)
     leaves[::3, NOT_A_PERSON] = 250
-    return PartForest(np.arange(trees, dtype=np.int32) * 7, splits, left.astype(np.int32), leaves)
+    roots, plane = np.arange(trees, dtype=np.int32) * 7, np.zeros(len(splits), np.uint8)
+    return PartForest(roots, splits, plane, left.astype(np.int32), leaves)
 
 
 @pytest.mark.parametrize('step', [1, 2, 3, 4])

@@ -39,6 +39,7 @@ def a_forest() -> PartForest:
     return PartForest(
         np.array([0, 3], np.int32),
         rng.uniform(-1, 1, (6, 5)).astype(np.float32),
+        np.zeros(6, np.uint8),
         np.array([1, -1, -2, 4, -3, -4], np.int32),
         rng.integers(0, 255, (4, CLASSES)).astype(np.uint8),
     )
@@ -70,6 +71,7 @@ def chain(length: int) -> PartForest:
     return PartForest(
         np.zeros(1, np.int32),
         np.zeros((len(left), 5), np.float32),
+        np.zeros(len(left), np.uint8),
         left,
         np.zeros((1, CLASSES), np.uint8),
     )

@@ -47,8 +47,9 @@ class PartSamples(NamedTuple):
     """S cells of I grids. The grids are stored one after the other, row by row.
 
     Attributes:
-        depth: of all grids, millimetres, 0 if unknown, uint16.
-        start: index of each grid's first cell in `depth`, shape (I,).
+        planes: the values of all grids: depth in millimetres in the first row, 0 if unknown, and
+            other values if there are any, shape (P, cells), uint16.
+        start: index of each grid's first cell in `planes`, shape (I,).
         shape: rows and columns of each grid, shape (I, 2).
         focal_lengths: fx and fy of each grid in cells, shape (I, 2).
         image: the grid of each sample, shape (S,).
@@ -57,7 +58,7 @@ class PartSamples(NamedTuple):
         part: its class, shape (S,).
     """
 
-    depth: NDArray[np.uint16]
+    planes: NDArray[np.uint16]
     start: NDArray[np.int64]
     shape: NDArray[np.int64]
     focal_lengths: NDArray[np.float32]
@@ -109,7 +110,7 @@ def collect_samples(
     columns = np.concatenate(cells).T if cells else np.zeros((4, 0), np.int32)
     sizes = np.array([grid.depth.size for grid in grids], np.int64)
     return PartSamples(
-        np.concatenate([grid.depth.ravel() for grid in grids]).astype(np.uint16),
+        np.concatenate([grid.depth.ravel() for grid in grids]).astype(np.uint16)[None],
         np.cumsum(sizes) - sizes,
         np.array([grid.depth.shape for grid in grids], np.int64),
         np.array([grid.focal_lengths for grid in grids], np.float32),
@@ -143,10 +144,10 @@ def _draw(
 
 def join_samples(parts: Sequence[PartSamples]) -> PartSamples:
     """Return the samples of several collections as one, with the grids renumbered."""
-    cells = np.cumsum([0, *(len(each.depth) for each in parts)])
+    cells = np.cumsum([0, *(each.planes.shape[1] for each in parts)])
     images = np.cumsum([0, *(len(each.start) for each in parts)])
     return PartSamples(
-        np.concatenate([each.depth for each in parts]),
+        np.concatenate([each.planes for each in parts], axis=1),
         np.concatenate([each.start + cells[k] for k, each in enumerate(parts)]),
         np.concatenate([each.shape for each in parts]),
         np.concatenate([each.focal_lengths for each in parts]),

@@ -69,6 +69,7 @@ def join_part_trees(trees: list[PartTree]) -> PartForest:
     return PartForest(
         nodes[:-1].astype(np.int32),
         np.concatenate([tree.splits for tree in trees]),
+        np.concatenate([tree.plane for tree in trees]),
         np.concatenate(left).astype(np.int32),
         np.rint(np.concatenate([tree.leaves for tree in trees]) * _BYTE).astype(np.uint8),
     )

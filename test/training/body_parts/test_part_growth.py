@@ -81,7 +81,7 @@ def test_samples_have_the_class_of_their_cell(samples: PartSamples) -> None:
         row, column = samples.row[s], samples.column[s]
         assert samples.part[s] == image.parts[row, column]
         cell = samples.start[samples.image[s]] + row * 80 + column
-        assert samples.depth[cell] == round(float(image.depth[row, column]) * 1000) > 0
+        assert samples.planes[0, cell] == round(float(image.depth[row, column]) * 1000) > 0
     people = np.bincount(samples.image[samples.part != NOT_A_PERSON])
     others = np.bincount(samples.image[samples.part == NOT_A_PERSON])
     assert (people == 80).all()
@@ -107,6 +107,7 @@ def test_cells_that_an_earlier_forest_takes_for_people_are_drawn_more_often() ->
     forest = PartForest(
         np.zeros(1, np.int32),
         np.array([[1.2, 0, 0, 0, 2.0], [0] * 5, [0] * 5], np.float32),
+        np.zeros(3, np.uint8),
         np.array([1, -1, -2], np.int32),
         np.stack([left, right]),
     )
@@ -129,7 +130,7 @@ def test_collections_are_joined(samples: PartSamples) -> None:
     second = collect_samples((an_image(seed) for seed in range(5, 12)), 80, 60, 6.0, 1)
     both = join_samples([first, second])
     assert len(both.part) == len(first.part) + len(second.part)
-    np.testing.assert_array_equal(both.depth, samples.depth)
+    np.testing.assert_array_equal(both.planes, samples.planes)
     np.testing.assert_array_equal(both.start, samples.start)
     assert both.image[len(first.part)] == 5
 
@@ -143,11 +144,11 @@ def test_cells_are_compared_as_the_forest_compares_them(samples: PartSamples) ->
         split = rng.uniform(-0.6, 0.6, 5).astype(np.float32)
         if k % 2:
             split[2:4] = 0
-        compare_cells(samples.depth, cells, split, values)
+        compare_cells(samples.planes, 0, cells, split, values)
         wrong = 0
         for value, member in zip(values, members, strict=True):
             first = samples.start[samples.image[member]]
-            depth = samples.depth[first : first + 4800].reshape(60, 80) / 1000
+            depth = samples.planes[0, first : first + 4800].reshape(60, 80) / 1000
             twin = comparison_twin(
                 depth, samples.row[member], samples.column[member], split, CAMERA
             )
@@ -185,8 +186,9 @@ def test_the_entropy_is_that_of_its_equation() -> None:
 def test_the_gain_of_a_split_is_that_of_its_samples(samples: PartSamples) -> None:
     members = np.arange(len(samples.part))
     growth = PartGrowth(features=30, subset=10_000)
-    split, gain = find_split(samples, members, growth, n_log_n(10_001))
-    left = partition(samples, members, split)
+    split, plane, gain = find_split(samples, members, growth, n_log_n(10_001))
+    assert plane == 0
+    left = partition(samples, members, split, plane)
     parts = samples.part[members]
     both = entropy(parts[:left]) + entropy(parts[left:])
     assert 0 < left < len(parts)
@@ -196,7 +198,7 @@ def test_the_gain_of_a_split_is_that_of_its_samples(samples: PartSamples) -> Non
 
 def test_nothing_is_gained_by_splitting_one_class(samples: PartSamples) -> None:
     members = np.flatnonzero(samples.part == 1)
-    _, gain = find_split(samples, members, PartGrowth(features=20), n_log_n(4001))
+    *_, gain = find_split(samples, members, PartGrowth(features=20), n_log_n(4001))
     assert gain == 0
 
 
