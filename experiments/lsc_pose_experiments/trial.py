@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
+from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation import evaluate
 from lsc_pose_ros.evaluation.evaluate import Evaluation, summarise
@@ -96,6 +97,7 @@ def _evaluation(result: TrialResult) -> Evaluation:
         np.zeros(people),
         np.zeros_like(result.errors),
         np.full((*result.errors.shape, 3), np.nan, np.float32),
+        np.full(result.errors.shape, UNKNOWN, np.uint8),
     )
 
 

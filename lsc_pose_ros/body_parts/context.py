@@ -108,7 +108,8 @@ def classify_in_context(
     fx, fy = grid.focal_lengths
     probabilities = np.zeros_like(alone.probabilities)
     classify_cells(planes, (fx / stride, fy / stride), forests.second, 1, wanted, probabilities)
-    probabilities[(alone.person > 0) & ~wanted, NOT_A_PERSON] = 1
+    known = (alone.depth > 0) & (alone.depth <= farthest)
+    probabilities[known & ~wanted, NOT_A_PERSON] = 1
     person = smooth_person(probabilities, alone.depth, SMOOTHING_REACH)
     return CellParts(alone.depth, probabilities, person)
 

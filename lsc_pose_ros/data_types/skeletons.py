@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The skeletons of one frame, and their points of 20 bytes in a PointCloud2."""
+"""The skeletons of one frame, and their points in a PointCloud2."""
 
 from typing import NamedTuple
 
@@ -32,6 +32,16 @@ POINT_DTYPE = np.dtype(
     ]
 )
 
+# One point of `ground_truth/skeletons`, if the visibility of the joints is known.
+GROUND_TRUTH_DTYPE = np.dtype(
+    {
+        'names': [*(POINT_DTYPE.names or ()), 'visibility'],
+        'formats': ['<f4', '<f4', '<f4', '<f4', '<u2', '<u2', 'u1'],
+        'offsets': [0, 4, 8, 12, 16, 18, 20],
+        'itemsize': 24,
+    }
+)
+
 
 class Skeletons(NamedTuple):
     """The bodies of one frame: B bodies, each with the same J joints.
@@ -42,12 +52,16 @@ class Skeletons(NamedTuple):
         positions: metres in the camera's optical frame, NaN if unknown, shape (B, J, 3).
         confidence: the probability that the joint is within 10 cm of its true position, 0 if the
             joint is unknown, shape (B, J).
+        visibility: whether the camera sees each joint, or what hides it, as in
+            `lsc_pose_ros.data_types.visibility`, shape (B, J); only in ground truth, None if it
+            is not known.
     """
 
     bodies: NDArray[np.uint16]
     joints: NDArray[np.uint16]
     positions: NDArray[np.float32]
     confidence: NDArray[np.float32]
+    visibility: NDArray[np.uint8] | None = None
 
 
 def no_skeletons(joints: NDArray[np.uint16]) -> Skeletons:
@@ -62,8 +76,15 @@ def no_skeletons(joints: NDArray[np.uint16]) -> Skeletons:
 
 
 def pack(skeletons: Skeletons) -> NDArray[np.void]:
-    """Return `skeletons` as an organised cloud of POINT_DTYPE, shape (B, J)."""
-    points = np.zeros(skeletons.confidence.shape, POINT_DTYPE)
+    """Return `skeletons` as an organised cloud, shape (B, J).
+
+    Its points are those of POINT_DTYPE, or of GROUND_TRUTH_DTYPE with the visibility.
+    """
+    visibility = skeletons.visibility
+    dtype = POINT_DTYPE if visibility is None else GROUND_TRUTH_DTYPE
+    points = np.zeros(skeletons.confidence.shape, dtype)
+    if visibility is not None:
+        points['visibility'] = visibility
     for axis, name in enumerate('xyz'):
         points[name] = skeletons.positions[..., axis]
     points['confidence'] = skeletons.confidence
@@ -73,7 +94,7 @@ def pack(skeletons: Skeletons) -> NDArray[np.void]:
 
 
 def unpack(points: NDArray[np.void]) -> Skeletons:
-    """Return the skeletons in a cloud of POINT_DTYPE, shape (B, J); the inverse of `pack`."""
+    """Return the skeletons in a cloud, shape (B, J): the inverse of `pack`."""
     positions = np.stack([points['x'], points['y'], points['z']], axis=-1).astype(np.float32)
     joints = points['joint'][0] if len(points) else np.zeros(points.shape[1], np.uint16)
     bodies = points['body'][:, 0] if points.shape[1] else np.zeros(len(points), np.uint16)
@@ -82,4 +103,7 @@ def unpack(points: NDArray[np.void]) -> Skeletons:
         joints.astype(np.uint16),
         positions,
         points['confidence'].astype(np.float32),
+        points['visibility'].astype(np.uint8)
+        if 'visibility' in (points.dtype.names or ())
+        else None,
     )

@@ -26,3 +26,14 @@ HIDDEN = 2
 
 OUTSIDE = 3
 """The joint is outside of the image, or in a margin in which the sensor measures nothing."""
+
+UNKNOWN = 255
+"""The ground truth does not tell."""
+
+VISIBILITIES = {
+    SEEN: 'seen',
+    HIDDEN_BY_BODY: 'hidden by the body',
+    HIDDEN: 'hidden by something else',
+    OUTSIDE: 'outside of the image',
+}
+"""What users call each of them."""

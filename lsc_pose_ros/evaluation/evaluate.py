@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.training.samples import select_joints
@@ -43,6 +44,8 @@ class Evaluation(NamedTuple):
         confidence: the confidence in each joint, 0 without estimate, shape (P, J).
         differences: ground truth minus estimate in the camera frame, metres, shape (P, J, 3); NaN
             if either is missing.
+        visibility: of each joint, as in `lsc_pose_ros.data_types.visibility`, shape (P, J);
+            UNKNOWN if the ground truth does not have it.
     """
 
     joints: NDArray[np.uint16]
@@ -52,6 +55,7 @@ class Evaluation(NamedTuple):
     seconds: NDArray[np.float64]
     confidence: NDArray[np.float32]
     differences: NDArray[np.float32]
+    visibility: NDArray[np.uint8]
 
 
 class JointScore(NamedTuple):
@@ -96,6 +100,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
     seconds: list[float] = []
     confidence: list[NDArray[np.float32]] = []
     differences: list[NDArray[np.float32]] = []
+    visibility: list[NDArray[np.uint8]] = []
     estimated_bodies = 0
     for number, frame in enumerate(frames):
         begin = time.perf_counter()
@@ -106,6 +111,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
             errors.append(joint_errors(skeletons, frame.ground_truth))
             confidence.append(joint_confidence(skeletons, frame.ground_truth))
             differences.append(joint_differences(skeletons, frame.ground_truth))
+            visibility.append(visibility_of(frame.ground_truth, estimator.joints))
             bodies.append(frame.ground_truth.bodies)
             numbers.append(np.full(len(frame.ground_truth.bodies), number))
     if not errors:
@@ -122,6 +128,7 @@ def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
         np.array(seconds),
         np.concatenate(confidence),
         np.concatenate(differences),
+        np.concatenate(visibility),
     )
 
 
@@ -144,6 +151,7 @@ def select(evaluation: Evaluation, joints: NDArray[np.uint16]) -> Evaluation:
         errors=evaluation.errors[:, kept],
         confidence=evaluation.confidence[:, kept],
         differences=evaluation.differences[:, kept],
+        visibility=evaluation.visibility[:, kept],
     )
 
 
@@ -175,6 +183,16 @@ def joint_confidence(estimate: Skeletons, ground_truth: Skeletons) -> NDArray[np
     for b, row in _rows_of(ground_truth, estimate):
         confidence[b] = estimate.confidence[row]
     return confidence
+
+
+def visibility_of(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> NDArray[np.uint8]:
+    """Return the visibility of `joints`, shape (J,), in each body of `ground_truth`, (B, J)."""
+    visibility = np.full((len(ground_truth.bodies), len(joints)), UNKNOWN, np.uint8)
+    columns = {int(number): column for column, number in enumerate(ground_truth.joints)}
+    for column, number in enumerate(joints):
+        if ground_truth.visibility is not None and int(number) in columns:
+            visibility[:, column] = ground_truth.visibility[:, columns[int(number)]]
+    return visibility
 
 
 def _rows_of(ground_truth: Skeletons, estimate: Skeletons) -> list[tuple[int, int]]:

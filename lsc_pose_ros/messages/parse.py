@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.camera.transform_tree import FrameTransform, Rotation
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, unpack
+from lsc_pose_ros.data_types.skeletons import GROUND_TRUTH_DTYPE, POINT_DTYPE, Skeletons, unpack
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.camera_info import image_camera
 from lsc_pose_ros.messages.codecs.image_encodings import ImageLayout
@@ -134,9 +134,13 @@ def _parse_header(message: Any) -> tuple[int, str]:  # noqa: ANN401
 
 
 def _parse_points(message: Any, fields: dict[str, Any]) -> NDArray[np.void]:  # noqa: ANN401
-    """Return the cloud's points as POINT_DTYPE, shape (H, W), whatever the fields' offsets."""
+    """Return the cloud's points, shape (H, W), whatever the fields' offsets.
+
+    They are those of POINT_DTYPE, or of GROUND_TRUTH_DTYPE if the cloud has visibility.
+    """
+    wanted = GROUND_TRUTH_DTYPE if 'visibility' in fields else POINT_DTYPE
     order = '>' if message.is_bigendian else '<'
-    names = list(POINT_DTYPE.names or ())
+    names = list(wanted.names or ())
     point = np.dtype(
         {
             'names': names,
@@ -149,4 +153,4 @@ def _parse_points(message: Any, fields: dict[str, Any]) -> NDArray[np.void]:  # 
     data = np.frombuffer(message.data, np.uint8)
     rows = data[: height * message.row_step].reshape(height, message.row_step)
     used = np.ascontiguousarray(rows[:, : width * message.point_step])
-    return used.view(point).reshape(height, width).astype(POINT_DTYPE)
+    return used.view(point).reshape(height, width).astype(wanted)

@@ -33,7 +33,7 @@ STRIDE = 2
 FARTHEST = 6.0
 """People at a larger depth are not found, because the forest has not learnt them, metres."""
 
-PERSON_THRESHOLD = 0.5
+PERSON_THRESHOLD = 0.35
 """The least probability that a cell shows a person."""
 
 

@@ -64,7 +64,7 @@ REACH = 2.0
 LEAST_AREA = 0.06
 """A body with a smaller visible area is none, square metres."""
 
-LEAST_PERSON = 0.75
+LEAST_PERSON = 0.7
 """The least mean probability that the cells of a body show a person."""
 
 LEAST_EVIDENCE = 0.04

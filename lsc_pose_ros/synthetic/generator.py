@@ -277,7 +277,7 @@ class _ClipGenerator:
             depth=image.depth,
             labels=labels,
             camera=self._camera,
-            ground_truth=_ground_truth(joints),
+            ground_truth=_ground_truth(joints, seen),
         )
         return SyntheticScene(frame, parts, seen)
 
@@ -311,13 +311,19 @@ class _ClipGenerator:
         return render_meshes(meshes, self._camera, self._sensor.width, self._sensor.height)
 
 
-def _ground_truth(joints: NDArray[np.float64]) -> Skeletons:
-    """Return the skeletons of people numbered from 1 with these joints, shape (N, 20, 3)."""
+def _ground_truth(joints: NDArray[np.float64], visibility: NDArray[np.uint8]) -> Skeletons:
+    """Return the skeletons of people numbered from 1.
+
+    Args:
+        joints: positions, shape (N, 20, 3).
+        visibility: of each joint, shape (N, 20).
+    """
     return Skeletons(
         np.arange(1, len(joints) + 1, dtype=np.uint16),
         np.arange(len(JOINT_NAMES), dtype=np.uint16),
         joints.astype(np.float32),
         np.ones(joints.shape[:2], np.float32),
+        visibility,
     )
 
 

@@ -18,7 +18,14 @@
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, no_skeletons, pack, unpack
+from lsc_pose_ros.data_types.skeletons import (
+    GROUND_TRUTH_DTYPE,
+    POINT_DTYPE,
+    Skeletons,
+    no_skeletons,
+    pack,
+    unpack,
+)
 
 
 def test_point_has_twenty_bytes_in_the_published_order():
@@ -48,3 +55,17 @@ def test_unpack_is_the_inverse_of_pack(bodies):
 
 def test_no_skeletons_are_an_empty_cloud_with_one_column_per_joint():
     assert pack(no_skeletons(np.arange(17, dtype=np.uint16))).shape == (0, 17)
+
+
+def test_visibility_comes_back():
+    rng = np.random.default_rng(1)
+    skeletons = Skeletons(
+        np.array([3, 7], np.uint16),
+        np.arange(5, dtype=np.uint16),
+        rng.normal(size=(2, 5, 3)).astype(np.float32),
+        np.ones((2, 5), np.float32),
+        rng.integers(0, 4, (2, 5)).astype(np.uint8),
+    )
+    points = np.frombuffer(pack(skeletons).tobytes(), GROUND_TRUTH_DTYPE).reshape(2, 5)
+    for name, value in skeletons._asdict().items():
+        np.testing.assert_array_equal(getattr(unpack(points), name), value, strict=True)

@@ -20,6 +20,7 @@ import pytest
 
 from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.evaluation.confidence_reliability import (
     bin_by_confidence,
     expected_error,
@@ -39,6 +40,7 @@ def evaluation(errors, confidence):
         np.full(len(errors), 0.01),
         np.array(confidence, np.float32),
         np.full((*np.shape(errors), 3), NAN, np.float32),
+        np.full(np.shape(errors), UNKNOWN, np.uint8),
     )
 
 

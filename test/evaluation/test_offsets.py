@@ -20,6 +20,7 @@ import pytest
 
 from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import (
     Evaluation,
@@ -49,6 +50,7 @@ def evaluation_of(ground_truth, estimate):
         np.full(len(ground_truth), 0.01),
         np.ones(ground_truth.shape[:2], np.float32),
         joint_differences(skeletons(estimate), skeletons(ground_truth)),
+        np.full(ground_truth.shape[:2], UNKNOWN, np.uint8),
     )
 
 

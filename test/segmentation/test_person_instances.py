@@ -22,17 +22,16 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.body_parts.part_forest import CLASSES, NOT_A_PERSON
+from lsc_pose_ros.body_parts.smoothing import SURFACE_STEP, smooth_person
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.segmentation import cell_labels, person_instances
 from lsc_pose_ros.segmentation.cell_labels import labels_from_cells
 from lsc_pose_ros.segmentation.person_cells import (
     HEAD_CLASS,
-    SURFACE_STEP,
     TRUNK_CLASSES,
     PersonCells,
     person_cells,
-    smooth_person,
 )
 from lsc_pose_ros.segmentation.person_instances import (
     find_bodies,
@@ -61,22 +60,6 @@ def cells_of(seed: int, threshold: float = 0.4) -> PersonCells:
     probabilities, depth = random_scene(seed)
     smoothed = smooth_person(probabilities, depth, 1)
     return person_cells(probabilities, smoothed, depth, CAMERA, threshold)
-
-
-@pytest.mark.parametrize('reach', [0, 1, 2])
-@pytest.mark.parametrize('seed', range(3))
-def test_the_probability_of_a_person_is_averaged_over_a_surface(seed: int, reach: int) -> None:
-    probabilities, depth = random_scene(seed)
-    smoothed = smooth_person(probabilities, depth, reach)
-    for i, j in np.ndindex(depth.shape):
-        window = (
-            slice(max(i - reach, 0), i + reach + 1),
-            slice(max(j - reach, 0), j + reach + 1),
-        )
-        near = (depth[window] > 0) & (abs(depth[window] - depth[i, j]) <= SURFACE_STEP)
-        person = 1 - probabilities[window][..., NOT_A_PERSON]
-        expected = person[near].mean() if depth[i, j] > 0 else 0
-        assert smoothed[i, j] == pytest.approx(expected, abs=1e-5)
 
 
 @pytest.mark.parametrize('seed', range(3))

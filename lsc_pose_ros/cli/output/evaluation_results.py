@@ -26,6 +26,7 @@ from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.evaluation.confidence_reliability import Reliability, measure_reliability
 from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary, summarise
 from lsc_pose_ros.evaluation.offsets import apply_offsets
+from lsc_pose_ros.evaluation.visibility_scores import score_by_visibility
 from lsc_pose_ros.pose.estimator import Estimator
 
 
@@ -70,7 +71,7 @@ def evaluation_results(
         'frames': len(evaluation.seconds),
         'people': len(evaluation.errors),
         'tolerance_m': inputs.tolerance,
-        **_scores(evaluation, summary, calibrated=calibrated),
+        **_scores(evaluation, summary, inputs.tolerance, calibrated=calibrated),
         'ms_per_frame': {
             'p50': float(np.percentile(milliseconds, 50)),
             'p95': float(np.percentile(milliseconds, 95)),
@@ -85,20 +86,31 @@ def evaluation_results(
     if offsets is not None:
         moved = apply_offsets(evaluation, offsets)
         results['with_offsets'] = {
-            **_scores(moved, summarise(moved, inputs.tolerance), calibrated=calibrated),
+            **_scores(
+                moved,
+                summarise(moved, inputs.tolerance),
+                inputs.tolerance,
+                calibrated=calibrated,
+            ),
             'offsets_m': dict(zip(names_of(moved.joints), offsets.tolist(), strict=True)),
             'offsets_from': [str(recording) for recording in inputs.offsets_from],
         }
     return results
 
 
-def _scores(evaluation: Evaluation, summary: Summary, *, calibrated: bool) -> dict[str, Any]:
+def _scores(
+    evaluation: Evaluation, summary: Summary, tolerance: float, *, calibrated: bool
+) -> dict[str, Any]:
     """Return the results that offsets change."""
     return {
         'mean_error_m': summary.mean_error_m,
         'map': summary.map,
         'joints': {name: score._asdict() for name, score in summary.joints.items()},
         'confidence': _confidence(measure_reliability(evaluation), calibrated=calibrated),
+        'visibility': {
+            name: score._asdict()
+            for name, score in score_by_visibility(evaluation, tolerance).items()
+        },
     }
 
 
@@ -152,6 +164,7 @@ def evaluation_table(results: dict[str, Any]) -> str:
     if moved:
         mean += f'{"":>24}{_cells(moved["mean_error_m"], moved["map"])}'
     lines.append(mean)
+    lines += _visibility_lines(results['visibility'], within)
     times = results['ms_per_frame']
     lines.append(
         f'{results["frames"]} frames, {times["p50"]:.1f} ms a frame '
@@ -159,6 +172,18 @@ def evaluation_table(results: dict[str, Any]) -> str:
     )
     lines.append(f'confidence {_words_on(results["confidence"])}')
     return '\n'.join(lines)
+
+
+def _visibility_lines(scores: dict[str, Any], within: str) -> list[str]:
+    """Return a table of the scores by visibility, without lines if it is not known."""
+    if not scores:
+        return []
+    lines = [f'{"joints":<26}{"error cm":>9}{within:>16}{"confidence":>13}{"n":>8}']
+    for name, score in scores.items():
+        cells = _cells(score['mean_error_m'], score['ap'])
+        confidence = f'{100 * score["mean_confidence"]:>11.1f} %'
+        lines.append(f'{name:<26}{cells}{confidence}{score["n"]:>8}')
+    return lines
 
 
 def _cells(error: float, fraction: float) -> str:

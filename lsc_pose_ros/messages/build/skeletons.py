@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from lsc_pose_ros.data_types.skeletons import POINT_DTYPE, Skeletons, pack
+from lsc_pose_ros.data_types.skeletons import Skeletons, pack
 from lsc_pose_ros.messages.build.headers import build_header
 from lsc_pose_ros.messages.message_classes import MessageClasses
 from lsc_pose_ros.messages.parse import POINT_FIELD_TYPES
@@ -46,19 +46,19 @@ def build_skeletons(
         header=build_header(classes, stamp, frame_id),
         height=bodies,
         width=joints,
-        fields=_build_fields(classes),
+        fields=_build_fields(classes, points.dtype),
         is_bigendian=False,
-        point_step=POINT_DTYPE.itemsize,
-        row_step=POINT_DTYPE.itemsize * joints,
+        point_step=points.itemsize,
+        row_step=points.itemsize * joints,
         data=classes.octets(points.tobytes()),
         is_dense=bool(np.isfinite(skeletons.positions).all()),
     )
 
 
 @cache
-def _build_fields(classes: MessageClasses) -> list[Any]:
+def _build_fields(classes: MessageClasses, dtype: np.dtype[np.void]) -> list[Any]:
     point_field = classes.find(POINT_FIELD)
-    fields: Any = POINT_DTYPE.fields
+    fields: Any = dtype.fields
     return [
         point_field(name=name, offset=offset, datatype=_DATATYPES[kind.str[1:]], count=1)
         for name, (kind, offset) in fields.items()

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
+from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.evaluation.evaluate import Evaluation
 
 
@@ -36,4 +37,5 @@ def evaluation() -> Evaluation:
         np.full(40, 0.01),
         rng.random(errors.shape, np.float32),
         np.full((*errors.shape, 3), np.nan, np.float32),
+        np.full(errors.shape, UNKNOWN, np.uint8),
     )

@@ -17,6 +17,7 @@
 
 import numpy as np
 
+from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.evaluation.evaluate import Evaluation
 from lsc_pose_ros.viz.report.ranking import rank_frames
 
@@ -32,6 +33,7 @@ def evaluation(frames: list[int], errors: list[list[float]]) -> Evaluation:
         np.full(max(frames) + 1, 0.01),
         np.ones((len(frames), 2), np.float32),
         np.full((len(frames), 2, 3), NAN, np.float32),
+        np.full((len(frames), 2), UNKNOWN, np.uint8),
     )
 
 
