@@ -15,8 +15,9 @@
 
 """The demonstration: `python -m lsc_pose_ros.demo --directory DIR`.
 
-The live node runs with the default model. A test recording is published over ROS 2, and the
-skeletons that the node publishes are compared with the ground truth. Then a second model is
+The live node runs with the default model. First it finds two people in a furnished room, without
+any mask. Then a test recording with masks is published over ROS 2, and the skeletons that the node
+publishes are compared with the ground truth. Then a second model is
 trained on synthetic people, and both models are evaluated on the same frames.
 """
 
@@ -47,16 +48,21 @@ from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.resources.package_files import default_model
 from lsc_pose_ros.ros.isolation import isolated_environment
 from lsc_pose_ros.ros.requirements import load_with_ros
+from lsc_pose_ros.training.samples import select_joints
 
 if TYPE_CHECKING:
     from lsc_pose_ros.data_types.skeletons import Skeletons
 
 TRAINING_FRAMES = 1500
 TEST_FRAMES = 200
+ROOM_FRAMES, ROOM_SEED = 60, 4
 TEST_RATE = 10  # frames per second; a busy computer with two cores can keep up
 
 MOST_ERROR = 0.08
 LEAST_ESTIMATED = 0.95
+
+FOUND_WITHIN = 0.3
+"""A person is found if the joints of an estimate are this near on average, metres."""
 
 _START_TIMEOUT = 120.0
 _END_TIMEOUT = 20.0
@@ -65,6 +71,10 @@ _END_TIMEOUT = 20.0
 class Files(NamedTuple):
     """The files that the demonstration writes."""
 
+    room: Path
+    room_live: Path
+    room_picture: Path
+    room_log: Path
     test: Path
     live: Path
     picture: Path
@@ -94,6 +104,20 @@ class LiveResult(NamedTuple):
         return enough and self.mean_error <= MOST_ERROR
 
 
+class RoomResult(NamedTuple):
+    """The people that the live node found in the furnished room.
+
+    Attributes:
+        people: the number of people, summed over the frames.
+        found: how many of them were found.
+        mean_error: the mean error of the joints of those, metres.
+    """
+
+    people: int
+    found: int
+    mean_error: float
+
+
 class ModelAccuracy(NamedTuple):
     """The accuracy of a model on the test recording, offline.
 
@@ -119,6 +143,7 @@ def main(words: Sequence[str] | None = None) -> int:
     begin = time.monotonic()
     try:
         files = _files(directory)
+        room = run_room(files)
         result = run_live(files)
         accuracies = compare_models(files)
     except InputError as error:
@@ -126,24 +151,38 @@ def main(words: Sequence[str] | None = None) -> int:
         return command_line.BAD_INPUT
     except KeyboardInterrupt:
         return command_line.INTERRUPTED
-    _say(summary(result, accuracies, files, time.monotonic() - begin))
+    _say(summary(room, result, accuracies, files, time.monotonic() - begin))
     return 0 if result.passed else 1
 
 
-def run_live(files: Files) -> LiveResult:
-    """Publish a test recording to the live node and return the accuracy of its skeletons.
+def run_room(files: Files) -> RoomResult:
+    """Publish a furnished room to the live node and return the people that it finds.
 
     Raises:
         InputError: ROS 2 or the default model is not installed, or the node does not start.
     """
     os.environ.update(isolated_environment())  # before ROS is loaded
     load_with_ros('rclpy')
-    default = default_model()
+    options = ('--people', 2, '--furniture', '--seed', ROOM_SEED, '--fps', TEST_RATE)
     # The node compiles its kernels while the recording is generated.
-    with _live_node(files, default):
+    with _live_node(files.room_log, default_model(), 'segmentation:=people'):
+        _run_step('synth', files.room, '--frames', ROOM_FRAMES, *options)
+        estimates = _published_estimates(files.room, ROOM_FRAMES)
+    write_live(files.room, files.room_live, estimates)
+    _run_step('view', files.room_live, '-o', files.room_picture)
+    return room_result(files.room_live)
+
+
+def run_live(files: Files) -> LiveResult:
+    """Publish a test recording to the live node and return the accuracy of its skeletons.
+
+    Raises:
+        InputError: the default model is not installed, or the node does not start.
+    """
+    with _live_node(files.log, default_model()):
         _run_step('synth', files.test, '--frames', TEST_FRAMES, '--seed', 2, '--fps', TEST_RATE)
-        estimates = _published_estimates(files)
-    write_live(files, estimates)
+        estimates = _published_estimates(files.test, TEST_FRAMES)
+    write_live(files.test, files.live, estimates)
     _run_step('view', files.live, '-o', files.picture)
     return live_result(files.live)
 
@@ -159,26 +198,22 @@ def compare_models(files: Files) -> dict[str, ModelAccuracy]:
     }
 
 
-def write_live(files: Files, estimates: Sequence[SerializedMessage]) -> None:
-    """Write the test recording with the node's `estimates`, each at the time of its frame."""
+def write_live(recording: Path, live: Path, estimates: Sequence[SerializedMessage]) -> None:
+    """Write a copy of `recording` with the node's `estimates`, each at the time of its frame."""
     sorted_estimates = sorted(
         (each._replace(log_time=read_skeletons(each.data).stamp) for each in estimates),
         key=lambda message: message.log_time,
     )
-    with RecordingWriter(files.live) as writer:
+    with RecordingWriter(live) as writer:
         for message in heapq.merge(
-            read_messages(files.test), sorted_estimates, key=lambda m: m.log_time
+            read_messages(recording), sorted_estimates, key=lambda m: m.log_time
         ):
             writer.write(message.topic, message.type_name, message.log_time, message.data)
 
 
 def live_result(recording: Path) -> LiveResult:
     """Return the accuracy of the estimates in `recording`, compared with its ground truth."""
-    estimates: dict[int, Skeletons] = {}
-    for message in read_messages(recording):
-        if message.topic == SKELETONS_TOPIC:
-            stamp, skeletons = read_skeletons(message.data)
-            estimates[stamp] = skeletons
+    estimates = _read_estimates(recording)
     frames = estimated = 0
     errors: list[float] = []
     for frame in open_recording(recording):
@@ -192,8 +227,43 @@ def live_result(recording: Path) -> LiveResult:
     return LiveResult(frames, estimated, float(np.mean(errors)) if errors else float('inf'))
 
 
+def room_result(recording: Path) -> RoomResult:
+    """Return which people the estimates in `recording` show, whatever their numbers are."""
+    estimates = _read_estimates(recording)
+    people = 0
+    errors: list[float] = []
+    for frame in open_recording(recording):
+        if frame.ground_truth is None:
+            continue
+        people += len(frame.ground_truth.bodies)
+        if frame.stamp not in estimates:
+            continue
+        joints = estimates[frame.stamp].joints
+        found = estimates[frame.stamp].positions
+        for body in select_joints(frame.ground_truth, joints):
+            distances = np.linalg.norm(found - body, axis=-1)
+            known = np.isfinite(distances).any(axis=1)
+            nearest = min(np.nanmean(distances[known], axis=1), default=float('inf'))
+            if nearest <= FOUND_WITHIN:
+                errors.append(float(nearest))
+    return RoomResult(people, len(errors), float(np.mean(errors)) if errors else float('inf'))
+
+
+def _read_estimates(recording: Path) -> 'dict[int, Skeletons]':
+    estimates: dict[int, Skeletons] = {}
+    for message in read_messages(recording):
+        if message.topic == SKELETONS_TOPIC:
+            stamp, skeletons = read_skeletons(message.data)
+            estimates[stamp] = skeletons
+    return estimates
+
+
 def summary(
-    result: LiveResult, accuracies: dict[str, ModelAccuracy], files: Files, seconds: float
+    room: RoomResult,
+    result: LiveResult,
+    accuracies: dict[str, ModelAccuracy],
+    files: Files,
+    seconds: float,
 ) -> str:
     """Return the text that is printed at the end."""
     verdict = 'as good as expected' if result.passed else 'NOT as good as expected'
@@ -202,13 +272,17 @@ def summary(
         for name, accuracy in accuracies.items()
     )
     return f"""
-The live node estimated {result.estimated} of {result.frames} frames over ROS 2.
+In a furnished room, without a mask, the live node found {room.found} of {room.people} people.
+Mean error of their joints, hidden ones included: {100 * room.mean_error:.1f} cm.
+
+With masks, the live node estimated {result.estimated} of {result.frames} frames over ROS 2.
 Mean error of its joints: {100 * result.mean_error:.1f} cm (limit: {100 * MOST_ERROR:.0f} cm).
 This is {verdict}. The demonstration took {seconds:.0f} s.
 
 {'model':<22}{'mean error':>11}{'within 10 cm':>16}
 {rows}
 
+A picture of the room:                  {files.room_picture}
 Estimates of the node and ground truth: {files.live}
 A picture of them:                      {files.picture}
 The model that was trained:             {files.model}
@@ -222,8 +296,9 @@ def _files(directory: Path) -> Files:
         msg = f'{directory}: cannot be created ({error.strerror}); choose another --directory'
         raise InputError(msg) from error
     names = (
-        'test.mcap', 'live.mcap', 'live.png', 'node.log', 'training.mcap', 'model.npz',
-        'scores.json',
+        'room.mcap', 'room_live.mcap', 'room.png', 'room.log',
+        'test.mcap', 'live.mcap', 'live.png', 'node.log',
+        'training.mcap', 'model.npz', 'scores.json',
     )  # fmt: skip
     return Files(*(directory / name for name in names))
 
@@ -243,11 +318,11 @@ def _evaluate(files: Files, model: Path) -> ModelAccuracy:
     return ModelAccuracy(results['mean_error_m'], results['map'])
 
 
-def _published_estimates(files: Files) -> list[SerializedMessage]:
-    """Publish the test recording and return the skeletons that the node publishes."""
+def _published_estimates(recording: Path, frames: int) -> list[SerializedMessage]:
+    """Publish a recording of `frames` frames and return the skeletons that the node publishes."""
     with _listener() as listener:
-        _run_step('replay', files.test, '--publish', '--wait-for', _START_TIMEOUT)
-        listener.wait_for_messages(TEST_FRAMES, _END_TIMEOUT)
+        _run_step('replay', recording, '--publish', '--wait-for', _START_TIMEOUT)
+        listener.wait_for_messages(frames, _END_TIMEOUT)
         return list(listener.received)
 
 
@@ -263,11 +338,12 @@ def _listener() -> Iterator[Any]:
 
 
 @contextmanager
-def _live_node(files: Files, model: Path) -> Iterator[None]:
-    """Run pose_node with `model` in a separate process."""
-    words = ['--ros-args', '-p', f'model:={model}']
+def _live_node(log_file: Path, model: Path, *parameters: str) -> Iterator[None]:
+    """Run pose_node with `model` and other `parameters` in a separate process."""
+    chosen = (f'model:={model}', *parameters)
+    words = ['--ros-args', *(word for each in chosen for word in ('-p', each))]
     _say(f'\n$ pose_node {" ".join(words)}')
-    with files.log.open('wb') as log:
+    with log_file.open('wb') as log:
         node = subprocess.Popen(  # noqa: S603 - our own program
             [sys.executable, '-m', 'lsc_pose_ros.ros.node.main', *words],
             stdout=log,
@@ -277,7 +353,7 @@ def _live_node(files: Files, model: Path) -> Iterator[None]:
         try:
             yield
             if node.poll() is not None:
-                msg = f'pose_node ended with status {node.returncode}; see {files.log}'
+                msg = f'pose_node ended with status {node.returncode}; see {log_file}'
                 raise InputError(msg)
         finally:
             _stop(node)

@@ -59,7 +59,7 @@ def write_estimated_copy(
     for frame in frames:
         log_time = copier.copy_up_to(frame.stamp)
         skeletons = temporal_estimator.estimate(
-            frame.stamp, frame.depth, frame.labels, frame.camera
+            frame.stamp, frame.depth, frame.labels, frame.camera, from_mask=frame.from_mask
         )
         skeletons = in_camera_frame(skeletons, frame.roll)
         shapes = marker_updater.update(skeletons, drawing_settings)

@@ -40,6 +40,8 @@ class Frame(NamedTuple):
         roll: by how many degrees the camera is turned clockwise, seen from behind it: 0, 90, 180
             or 270. All other attributes are those of the upright image;
             `lsc_pose_ros.camera.roll.in_camera_frame` turns joints back.
+        from_mask: whether the labels are those of a mask image; if not, bodies are numbered anew
+            in each frame.
     """
 
     stamp: int
@@ -49,3 +51,4 @@ class Frame(NamedTuple):
     camera: Intrinsics
     ground_truth: Skeletons | None
     roll: int = 0
+    from_mask: bool = True

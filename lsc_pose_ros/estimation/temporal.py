@@ -25,13 +25,17 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.inference.confidence import body_confidence
+from lsc_pose_ros.pose.inference.stature import statures
 from lsc_pose_ros.pose.stages import Observer
-from lsc_pose_ros.settings.table import TemporalSettings
+from lsc_pose_ros.settings.table import NO_POSITION, TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
 from lsc_pose_ros.tracking.tracker import Tracker
 
 # A stamp that goes back by more than this restarts the sequence, nanoseconds.
 REWIND_NS = 500_000_000
+
+HIDDEN_CONFIDENCE = 0.3
+"""Joints with less confidence have no position if `hidden_joints` is nan."""
 
 
 class TemporalEstimator:
@@ -42,7 +46,8 @@ class TemporalEstimator:
             thread, by an estimator of the same joints.
         settings: settings of tracking and smoothing. They can be replaced at any time, from any
             thread.
-        left_out: the number of bodies that were left out because of their low confidence.
+        left_out: the number of bodies that were left out because of their low confidence or their
+            small stature.
     """
 
     def __init__(self, estimator: Estimator, settings: TemporalSettings) -> None:
@@ -70,10 +75,12 @@ class TemporalEstimator:
         labels: NDArray[np.signedinteger],
         camera: Intrinsics,
         observer: Observer | None = None,
+        *,
+        from_mask: bool = True,
     ) -> Skeletons:
         """Return the joints of all bodies in a frame, ascending by body number.
 
-        Bodies below the minimum confidence are left out.
+        Bodies below the minimum confidence or stature are left out.
 
         Args:
             stamp: nanoseconds; if it goes back by more than REWIND_NS, the sequence restarts.
@@ -81,35 +88,41 @@ class TemporalEstimator:
             labels: the body number of each pixel, NO_BODY for none, shape (H, W).
             camera: the intrinsics.
             observer: called when a stage of the estimate has ended, for each body.
+            from_mask: whether the labels are those of a mask image.
 
         Raises:
             InputError: as `Estimator.estimate`.
         """
-        return self.follow(stamp, self.estimator.estimate(depth, labels, camera, observer))
+        skeletons = self.estimator.estimate(depth, labels, camera, observer)
+        return self.follow(stamp, skeletons, from_mask=from_mask)
 
-    def follow(self, stamp: int, skeletons: Skeletons) -> Skeletons:
+    def follow(self, stamp: int, skeletons: Skeletons, *, from_mask: bool = True) -> Skeletons:
         """Return `skeletons` with persistent body numbers, smoothed, depending on the settings.
 
-        Bodies below the minimum confidence are left out.
+        Bodies below the minimum confidence or stature are left out.
 
         Args:
             stamp: nanoseconds.
             skeletons: the estimate of a frame.
+            from_mask: whether the numbers of the bodies are those of a mask image.
         """
         if self._newest is not None and stamp < self._newest - REWIND_NS:
             self.reset()
         self._newest = stamp if self._newest is None else max(stamp, self._newest)
         settings = self.settings
         skeletons = self._without_doubtful(skeletons)
-        if settings.tracked:
+        if settings.tracks(from_mask=from_mask):
             skeletons = self._tracker.follow(stamp, skeletons)
         if settings.smoothing:
             smoothing = OneEuroSettings(settings.smoothing_cutoff, settings.smoothing_beta)
             skeletons = self._filter.filter(stamp, skeletons, smoothing)
-        return skeletons
+        return without_hidden(skeletons) if settings.hidden_joints == NO_POSITION else skeletons
 
     def _without_doubtful(self, skeletons: Skeletons) -> Skeletons:
         certain = body_confidence(skeletons.confidence) >= self.settings.minimum_body_confidence
+        # Written so that an unknown stature, NaN, is not too small.
+        stature = statures(skeletons.positions, skeletons.joints)
+        certain &= ~(stature < self.settings.minimum_stature)
         # A body without any estimated joint may still be one: too little of it is visible.
         certain |= np.isnan(skeletons.positions).all(axis=(1, 2))
         if certain.all():
@@ -120,3 +133,12 @@ class TemporalEstimator:
             positions=skeletons.positions[certain],
             confidence=skeletons.confidence[certain],
         )
+
+
+def without_hidden(skeletons: Skeletons) -> Skeletons:
+    """Return `skeletons` without the positions of joints below HIDDEN_CONFIDENCE."""
+    hidden = skeletons.confidence < HIDDEN_CONFIDENCE
+    return skeletons._replace(
+        positions=np.where(hidden[..., None], np.float32(np.nan), skeletons.positions),
+        confidence=np.where(hidden, np.float32(0), skeletons.confidence),
+    )

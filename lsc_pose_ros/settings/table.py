@@ -26,6 +26,9 @@ NEAREST = 'nearest'
 
 TRACKED = 'tracked'
 
+LOW_CONFIDENCE = 'low_confidence'
+NO_POSITION = 'nan'
+
 RAW = 'raw'
 COMPRESSED = 'compressed'
 COMPRESSED_DEPTH = 'compressedDepth'
@@ -198,9 +201,10 @@ class TemporalSettings:
     """How the estimates of consecutive frames are connected."""
 
     body_ids: str = setting(
-        MASK,
+        AUTO,
         'Where the numbers of the bodies come from.',
         choices={
+            AUTO: 'mask if the bodies are those of a mask image, otherwise tracked.',
             MASK: 'the number of a body is the value of its pixels in the mask.',
             TRACKED: 'the node tracks the bodies, and each keeps its number. For segmentations '
             'that number the bodies differently in each image.',
@@ -215,6 +219,26 @@ class TemporalSettings:
         change=Change.ANY_TIME,
         details='Other bodies are not published. People who are cut off or hidden have less than '
         'others, as has furniture that is taken for a person.',
+    )
+    minimum_stature: float = setting(
+        0.8,
+        'Least stature of a body, from the lengths of its trunk and its legs; 0 for any.',
+        unit='metres',
+        lowest=0.0,
+        highest=2.0,
+        change=Change.ANY_TIME,
+        details='Smaller bodies are not published: they are things, or people of whom too little '
+        'is visible. Children of four years are taller than 0.9 m. Bodies are not judged if the '
+        'model does not estimate head, neck, torso, pelvis, hips, knees and ankles.',
+    )
+    hidden_joints: str = setting(
+        LOW_CONFIDENCE,
+        'How joints are published that something hides, or that are outside of the image.',
+        choices={
+            LOW_CONFIDENCE: 'at their most probable position, with a low confidence.',
+            NO_POSITION: 'without a position (NaN), if their confidence is below 0.3.',
+        },
+        change=Change.ANY_TIME,
     )
     smoothing: bool = setting(
         default=False,
@@ -240,10 +264,13 @@ class TemporalSettings:
         details='Higher values reduce the delay of fast movements.',
     )
 
-    @property
-    def tracked(self) -> bool:
-        """Whether the bodies are tracked from frame to frame."""
-        return self.body_ids == TRACKED
+    def tracks(self, *, from_mask: bool) -> bool:
+        """Return whether the bodies are tracked from frame to frame.
+
+        Args:
+            from_mask: whether the bodies are those of a mask image.
+        """
+        return self.body_ids == TRACKED or (self.body_ids == AUTO and not from_mask)
 
 
 @dataclass(frozen=True)

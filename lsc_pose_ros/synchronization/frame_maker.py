@@ -86,7 +86,7 @@ class FrameMaker:
             labels = segment(self._segmenter, frame.stamp, frame.depth, frame.camera)
             if frame.ground_truth is not None:
                 labels = numbered_as_ground_truth(labels, frame.ground_truth, frame.camera)
-            frame = frame._replace(labels=labels)
+            frame = frame._replace(labels=labels, from_mask=False)
             self._warn(self._segmenter.warning)
         elif with_mask:
             self._mask_check.add(frame.labels)

@@ -21,15 +21,16 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.estimation.temporal import REWIND_NS, TemporalEstimator
-from lsc_pose_ros.settings.table import TRACKED, TemporalSettings
+from lsc_pose_ros.estimation.temporal import HIDDEN_CONFIDENCE, REWIND_NS, TemporalEstimator
+from lsc_pose_ros.settings.table import AUTO, MASK, NO_POSITION, TRACKED, TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
 from lsc_pose_ros.tracking.tracker import Tracker
 
 FRAME = 33_000_000
 START = 1_700_000_000 * 10**9
-EVERYBODY = TemporalSettings(minimum_body_confidence=0.0)
+EVERYBODY = TemporalSettings(minimum_body_confidence=0.0, minimum_stature=0.0)
 SMOOTHED = replace(EVERYBODY, smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
 BOTH = replace(SMOOTHED, body_ids=TRACKED)
 
@@ -161,3 +162,58 @@ def test_a_body_without_any_estimate_is_kept(answers):
     )
     estimator = TemporalEstimator(Script([nobody]), TemporalSettings(minimum_body_confidence=0.5))
     assert_same(run(estimator, 1), [nobody])
+
+
+@pytest.mark.parametrize('body_ids', [AUTO, MASK, TRACKED])
+@pytest.mark.parametrize('from_mask', [True, False])
+def test_bodies_without_a_mask_are_tracked(answers, body_ids, from_mask):
+    """In the answers, the bodies exchange their numbers now and then."""
+    estimator = TemporalEstimator(Script(answers), replace(EVERYBODY, body_ids=body_ids))
+    found = [
+        estimator.estimate(START + n * FRAME, None, None, None, from_mask=from_mask)
+        for n in range(30)
+    ]
+    left = [np.nanmean(each.positions[each.bodies == 1][..., 0]) < 1 for each in found]
+    tracked = body_ids == TRACKED or (body_ids == AUTO and not from_mask)
+    assert all(left) == tracked
+
+
+def giant_and_dwarf():
+    """Return two bodies: 1.8 m and 0.7 m tall."""
+    heights = {'head': 1.6, 'neck': 1.4, 'torso': 1.2, 'pelvis': 0.95, 'hip': 0.95, 'knee': 0.5}
+    names = [name.split('_')[-1] for name in JOINT_NAMES]
+    tall = np.zeros((20, 3), np.float32)
+    tall[:, 1] = [-heights.get(name, 0.0) for name in names]
+    return Skeletons(
+        np.array([1, 2], np.uint16),
+        np.arange(20, dtype=np.uint16),
+        np.stack([tall, 0.4 * tall + 2]).astype(np.float32),
+        np.linspace(0, 1, 40, dtype=np.float32).reshape(2, 20),
+    )
+
+
+@pytest.mark.parametrize(('minimum', 'kept'), [(0.0, [1, 2]), (0.8, [1]), (2.0, [])])
+def test_bodies_of_small_stature_are_left_out(minimum, kept):
+    estimator = TemporalEstimator(
+        Script([giant_and_dwarf()]), replace(EVERYBODY, minimum_stature=minimum)
+    )
+    assert run(estimator, 1)[0].bodies.tolist() == kept
+    assert estimator.left_out == 2 - len(kept)
+
+
+def test_a_body_of_unknown_stature_is_kept():
+    answer = giant_and_dwarf()
+    answer.positions[1, JOINT_NUMBERS['neck']] = np.nan
+    estimator = TemporalEstimator(Script([answer]), replace(EVERYBODY, minimum_stature=0.8))
+    assert run(estimator, 1)[0].bodies.tolist() == [1, 2]
+
+
+def test_hidden_joints_can_have_no_position():
+    answer = giant_and_dwarf()
+    estimator = TemporalEstimator(Script([answer]), replace(EVERYBODY, hidden_joints=NO_POSITION))
+    (found,) = run(estimator, 1)
+    hidden = answer.confidence < HIDDEN_CONFIDENCE
+    assert 0 < hidden.sum() < 40
+    np.testing.assert_array_equal(np.isnan(found.positions).all(axis=-1), hidden)
+    np.testing.assert_array_equal(found.positions[~hidden], answer.positions[~hidden])
+    np.testing.assert_array_equal(found.confidence, np.where(hidden, 0, answer.confidence))

@@ -96,6 +96,29 @@ def test_no_answer_at_all_fails(simple_frames: list[Frame], tmp_path: Path) -> N
     assert not result.passed
 
 
+def test_people_in_a_room_are_found_whatever_their_numbers_are(
+    simple_frames: list[Frame], tmp_path: Path
+) -> None:
+    """One frame has no answer, one misses the first person, one has nobody near the people."""
+    answers = {number: answer(frame, 0.1) for number, frame in enumerate(simple_frames) if number}
+    answers[1] = answers[1]._replace(bodies=answers[1].bodies[::-1] + 5)
+    answers[2].positions[0] = np.nan
+    answers[3] = answer(simple_frames[3], 9.0)
+    path = tmp_path / 'room.mcap'
+    with RecordingWriter(path) as writer:
+        for number, frame in enumerate(simple_frames):
+            writer.write_frame(frame)
+            if number in answers:
+                writer.write_skeletons(
+                    SKELETONS_TOPIC, frame.stamp, frame.frame_id, answers[number]
+                )
+    each = len(simple_frames[0].ground_truth.bodies)
+    result = demo.room_result(path)
+    assert result.people == 10 * each
+    assert result.found == 7 * each + each - 1
+    assert result.mean_error == pytest.approx(0.1, abs=1e-6)
+
+
 def test_answers_are_put_where_their_frames_are(
     simple_frames: list[Frame], labelled_recording: Path, tmp_path: Path
 ) -> None:
@@ -108,10 +131,10 @@ def test_answers_are_put_where_their_frames_are(
         )
         for frame in reversed(simple_frames)
     ]
-    files = demo._files(tmp_path)._replace(test=labelled_recording)
-    demo.write_live(files, answers)
-    assert demo.live_result(files.live) == (10, 10, 0.0)
-    assert len(list(open_recording(files.live))) == 10
+    live = tmp_path / 'live.mcap'
+    demo.write_live(labelled_recording, live, answers)
+    assert demo.live_result(live) == (10, 10, 0.0)
+    assert len(list(open_recording(live))) == 10
 
 
 def test_directory_that_cannot_be_made(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -143,13 +166,15 @@ def test_whole_demonstration_in_small(
 ) -> None:
     code = (
         'import sys, lsc_pose_ros.demo as demo\n'
-        'demo.TRAINING_FRAMES, demo.TEST_FRAMES = 300, 20\n'
+        'demo.TRAINING_FRAMES, demo.TEST_FRAMES, demo.ROOM_FRAMES = 300, 20, 10\n'
         f'sys.exit(demo.main(["--directory", {str(tmp_path / "demo")!r}]))'
     )
     program = start_program('-c', code)
     program.exit_status()
     assert re.search(r'estimated (19|20) of 20 frames over ROS 2', program.output), program.output
     folder = tmp_path / 'demo'
+    assert re.search(r'found \d+ of 20 people', program.output), program.output
+    assert (folder / 'room.png').stat().st_size > 10_000
     rows = re.findall(
         r'^(?:default|trained) model +([\d.]+) cm +([\d.]+) %$',
         program.output,
@@ -178,7 +203,10 @@ def test_without_a_model_of_the_package_it_ends_with_a_reason(
 
 def test_summary_compares_both_models(tmp_path: Path) -> None:
     scores = {'one': demo.ModelAccuracy(0.043, 0.951), 'other': demo.ModelAccuracy(0.061, 0.9)}
-    said = demo.summary(demo.LiveResult(20, 19, 0.05), scores, demo._files(tmp_path), 61.4)
+    room = demo.RoomResult(120, 93, 0.123)
+    said = demo.summary(room, demo.LiveResult(20, 19, 0.05), scores, demo._files(tmp_path), 61.4)
+    assert 'without a mask, the live node found 93 of 120 people' in said
+    assert '12.3 cm' in said
     assert 'estimated 19 of 20 frames' in said
     assert 'as good as expected. The demonstration took 61 s' in said
     assert 'NOT' not in said

@@ -135,7 +135,12 @@ class Pipeline:
         clock = StageClock()
         with stage('estimate'):
             skeletons = self._temporal_estimator.estimate(
-                frame.stamp, frame.depth, frame.labels, frame.camera, clock
+                frame.stamp,
+                frame.depth,
+                frame.labels,
+                frame.camera,
+                clock,
+                from_mask=frame.from_mask,
             )
         self._diagnostics.measurements.add_stages(clock.seconds)
         skeletons = in_camera_frame(skeletons, frame.roll)
@@ -143,7 +148,7 @@ class Pipeline:
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
         self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
         left_out = self._temporal_estimator.left_out
-        self._diagnostics.notes['bodies left out, low confidence'] = str(left_out)
+        self._diagnostics.notes['bodies left out'] = str(left_out)
 
     def _log_frames(self) -> None:
         """Log how frames are made, when that changes, and what is suspicious."""

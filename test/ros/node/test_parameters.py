@@ -101,7 +101,7 @@ def test_integer_is_accepted_for_a_double(declare: Callable[..., NodeSettings]) 
         ('minimum_confidence', 1.5, 'from 0.0 to 1.0'),
         ('reliability', 'certain', 'auto or best_effort or reliable'),
         ('segmentation', 'guess', 'auto or mask or people or background or nearest'),
-        ('body_ids', 'names', 'mask or tracked'),
+        ('body_ids', 'names', 'auto or mask or tracked'),
         ('query_points', -1, 'from 0 to 10000'),
         ('rectified', 5, 'auto or true or false'),
         ('smoothing', 'a little', 'must be of type bool'),
@@ -141,6 +141,8 @@ BAD_AT_ANY_TIME = [
     ('sync_slop', float('nan'), 'sync_slop out of range'),
     ('minimum_confidence', -0.1, 'minimum_confidence out of range'),
     ('minimum_body_confidence', 1.1, 'minimum_body_confidence out of range'),
+    ('minimum_stature', -0.1, 'minimum_stature out of range'),
+    ('hidden_joints', 'none', 'low_confidence or nan'),
     ('marker_lifetime', 'long', 'Wrong parameter type'),
     ('smoothing', 1, 'Wrong parameter type'),
     ('smoothing_cutoff', 0.0, 'smoothing_cutoff out of range'),
@@ -160,6 +162,8 @@ GOOD_AT_ANY_TIME = {
     'minimum_confidence': 0.3,
     'marker_lifetime': 2.0,
     'minimum_body_confidence': 0.4,
+    'minimum_stature': 0.5,
+    'hidden_joints': 'nan',
 }
 
 WHILE_UNCONFIGURED = {
@@ -230,7 +234,7 @@ def test_what_is_refused_and_what_is_taken_while_the_node_is_unconfigured(
         ('depth_transport', 'theora', 'raw or compressedDepth'),
         ('mask_transport', 'theora', 'raw or compressed'),
         ('reliability', 'certain', 'auto or best_effort or reliable'),
-        ('body_ids', 'names', 'mask or tracked'),
+        ('body_ids', 'names', 'auto or mask or tracked'),
         ('mask_background', 65536, 'mask_background out of range'),
         ('model', 5, 'Wrong parameter type'),
         ('autostart', True, 'read-only'),
