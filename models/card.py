@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from hidden_people import hidden_people_scores, hip_angle_of
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import Frame
@@ -58,12 +59,14 @@ class EvaluatedPeople(NamedTuple):
         evaluation: the errors of their joints.
         yaw: the angle from facing the camera, degrees from 0 to 180, shape (P,).
         distance: depth of the torso, metres, shape (P,).
+        hip_angle: the angle between trunk and thighs, degrees, shape (P,).
         recording: the name of each person's recording, shape (P,).
     """
 
     evaluation: Evaluation
     yaw: NDArray[np.float64]
     distance: NDArray[np.float64]
+    hip_angle: NDArray[np.float64]
     recording: NDArray[np.str_]
 
 
@@ -75,17 +78,16 @@ def measure(estimator: Estimator, recording: str, frames: Iterable[Frame]) -> Ev
     """
     views: list[NDArray[np.float64]] = []
     evaluation = evaluate(estimator, _recording_views(frames, views))
-    yaw, distance = np.concatenate(views).T
-    return EvaluatedPeople(evaluation, yaw, distance, np.full(len(yaw), recording))
+    yaw, distance, hip_angle = np.concatenate(views).T
+    return EvaluatedPeople(evaluation, yaw, distance, hip_angle, np.full(len(yaw), recording))
 
 
 def _recording_views(frames: Iterable[Frame], views: list[NDArray[np.float64]]) -> Iterator[Frame]:
-    """Yield `frames`; append yaw and distance of the people that `evaluate` counts to `views`."""
+    """Yield `frames`; append the views of the people that `evaluate` counts to `views`."""
     for frame in frames:
-        if frame.ground_truth is not None and len(frame.ground_truth.bodies):
-            views.append(
-                np.stack([yaw_of(frame.ground_truth), distance_of(frame.ground_truth)], axis=1)
-            )
+        people = frame.ground_truth
+        if people is not None and len(people.bodies):
+            views.append(np.stack([yaw_of(people), distance_of(people), hip_angle_of(people)], 1))
         yield frame
 
 
@@ -192,6 +194,11 @@ def by_recording(people: EvaluatedPeople) -> dict[str, Any]:
     return {name: score(people.evaluation, people.recording == name) for name in names}
 
 
+def by_visibility(people: EvaluatedPeople) -> dict[str, Any]:
+    """Return the figures of people who are whole, hidden, cut off or seated."""
+    return hidden_people_scores(people.evaluation, people.hip_angle, TOLERANCE)
+
+
 def real_scores(people: EvaluatedPeople, fitted: EvaluatedPeople | None) -> dict[str, Any]:
     """Return the figures of the fifteen joints on real people, with and without offsets.
 
@@ -254,11 +261,30 @@ def write_tables(results: dict[str, Any]) -> str:
         for part, title in _TITLES.items()
         if results.get(part)
     ]
+    if results.get('hidden'):
+        tables.append(_hidden_table(results['hidden']))
     joints = [
         [name, f'{100 * each["mean_error_m"]:.1f} cm', f'{100 * each["ap"]:.1f} %']
         for name, each in results['joints'].items()
     ]
     return '\n\n'.join([*tables, _table(['joint', 'mean error', 'within 10 cm'], joints)])
+
+
+def _hidden_table(rows: dict[str, Any]) -> str:
+    columns = {
+        'all': 'all joints',
+        'seen': 'seen joints',
+        'seen_confidence': 'their confidence',
+        'unseen': 'hidden and outside joints',
+        'unseen_confidence': 'their confidence',
+    }
+    return _table(
+        ['people in rooms, and cut off', 'people', *columns.values()],
+        [
+            [name, str(row['people']), *(_percent(row[column]) for column in columns)]
+            for name, row in rows.items()
+        ],
+    )
 
 
 def _cells(row: dict[str, Any]) -> list[str]:

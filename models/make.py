@@ -40,6 +40,7 @@ from card import (
     EvaluatedPeople,
     binned,
     by_recording,
+    by_visibility,
     join,
     joint_scores,
     measure,
@@ -195,6 +196,7 @@ def measure_model(arguments: argparse.Namespace, model: Path, mocap: MocapSplit)
         'views': binned(all_views, all_views.yaw, YAWS),
         'distances': binned(all_views, all_views.distance, DISTANCES),
         'recordings': by_recording(everybody),
+        'hidden': by_visibility(join(others)) if others else {},
         'real': real_scores(join(real), join(fitted) if fitted else None) if real else {},
         'joints': joint_scores(all_views.evaluation),
     }

@@ -95,6 +95,8 @@ _SPECIAL_VIEWS = (
     RecordingSpec('test_old', _ALL_ROUND._replace(frames=300, seed=916, age=OLD)),
     RecordingSpec('test_cropped', _ALL_ROUND._replace(frames=300, seed=914, cropped=True)),
     RecordingSpec('test_two_people', _ALL_ROUND._replace(frames=300, seed=915, people=2)),
+    RecordingSpec('test_rooms', _ROOMS._replace(frames=400, seed=921)),
+    RecordingSpec('test_rooms_sloppy', _ROOMS._replace(frames=150, seed=922, sloppy_masks=True)),
 )
 
 _FRONT_VIEWS = tuple(

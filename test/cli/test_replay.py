@@ -265,7 +265,7 @@ def test_bodies_found_without_masks(
     with RecordingWriter(path) as writer:
         for number, frame in enumerate(itertools.islice(filter(stands, people), 6)):
             write(writer, frame, masked=masks != 'none' and number % 3 == 0)
-    output = replay(path, '--segmentation', 'nearest')
+    output = replay(path, '--segmentation', 'nearest', '--body-ids', 'mask')
     answers = [read_skeletons(data).skeletons for data in of(output, SKELETONS_TOPIC)]
     assert len(answers) == 6
     assert all(answer.bodies.tolist() == [1] for answer in answers)
