@@ -66,13 +66,14 @@ class Serialised(NamedTuple):
 def main() -> int:
     """Publish for a while; return the exit status."""
     arguments = _arguments()
-    frames = read_frames(arguments.recording)
+    topics = _TOPICS[:2] if arguments.without_masks else _TOPICS
+    frames = read_frames(arguments.recording, topics)
     rclpy.init(args=[])
     node = Node('camera')
     qos = 10 if arguments.reliable else qos_profile_sensor_data
     publishers = [
         node.create_publisher(kind, topic, qos)
-        for kind, topic in zip((Image, CameraInfo, Image), _TOPICS, strict=True)
+        for kind, topic in zip((Image, CameraInfo, Image), topics, strict=False)
     ]
     if not wait_for_subscribers(publishers):
         sys.stderr.write('live_camera: nobody subscribes\n')
@@ -91,6 +92,7 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument('--rate', type=float, required=True, help='images a second')
     parser.add_argument('--seconds', type=float, required=True)
     parser.add_argument('--reliable', action='store_true', help='else as sensors do, best effort')
+    parser.add_argument('--without-masks', action='store_true', help='no segmentation')
     return parser.parse_args()
 
 
@@ -128,13 +130,13 @@ def show(
     return {'begin': first, 'sent': sent, 'seconds': 1e-9 * (time.time_ns() - first)}
 
 
-def read_frames(recording: Path) -> list[tuple[Serialised, ...]]:
-    """Return depth image, camera info and mask of each frame."""
+def read_frames(recording: Path, topics: Sequence[str]) -> list[tuple[Serialised, ...]]:
+    """Return the messages of each frame, one of each of `topics`."""
     found: defaultdict[str, list[Serialised]] = defaultdict(list)
     for message in read_messages(recording):
         data = bytes(message.data)
         found[message.topic].append(Serialised(data[:_STAMP_BEGIN], data[_STAMP_END:]))
-    return list(zip(*(found[topic] for topic in _TOPICS), strict=True))
+    return list(zip(*(found[topic] for topic in topics), strict=True))
 
 
 if __name__ == '__main__':

@@ -66,7 +66,7 @@ def _row(run: dict[str, Any]) -> list[str]:
     latency, memory, load = run['latency_ms'], run['memory_mb'], run['load_average']
     drops = run['drops']
     return [
-        f'{run["size"]} at {run["rate"]:g} Hz, {run["seconds"]:g} s',
+        f'{run["size"]} at {run["rate"]:g} Hz, {run["seconds"]:g} s, {run["shows"]}',
         f'{run["answers_per_second"]:.1f}',
         f'{latency["p50"]:.1f}',
         f'{latency["p95"]:.1f}',

@@ -58,6 +58,7 @@ class Setup(NamedTuple):
         seconds: how long it is measured.
         settle: how long it runs before that, seconds.
         reliable: whether the images are offered reliably; otherwise as sensors do.
+        room: whether there are no masks, so that the node finds the people.
     """
 
     width: int
@@ -66,6 +67,7 @@ class Setup(NamedTuple):
     seconds: float
     settle: float
     reliable: bool = False
+    room: bool = False
 
     @property
     def size(self) -> str:
@@ -109,11 +111,15 @@ def _observe(setup: Setup, recording: Path, model: Path, folder: Path) -> Observ
     before = os.getloadavg()[0]
     environment = _environment()
     notes = folder / 'heard.json'
-    node_words = ['-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={model}']
+    node_words = [
+        '-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={model}',
+        *(['-p', 'segmentation:=people'] if setup.room else []),
+    ]  # fmt: skip
     camera_words = [
         str(_HERE / 'live_camera.py'), str(recording), '--rate', str(setup.rate),
         '--seconds', str(setup.settle + setup.seconds),
         *(['--reliable'] if setup.reliable else []),
+        *(['--without-masks'] if setup.room else []),
     ]  # fmt: skip
     with (
         _program(node_words, folder / 'node.log', environment) as node,
@@ -214,6 +220,7 @@ def _summary(setup: Setup, observed: Observed) -> dict[str, Any]:
     drops = {name: int(diagnostics[-1][1][name]) for name in _DROPS} if diagnostics else None
     return {
         'size': setup.size,
+        'shows': 'two people, no masks' if setup.room else 'one person, masks',
         'rate': setup.rate,
         'seconds': setup.seconds,
         'reliable': setup.reliable,

@@ -55,7 +55,7 @@ if TYPE_CHECKING:
 
 TRAINING_FRAMES = 1500
 TEST_FRAMES = 200
-ROOM_FRAMES, ROOM_SEED = 60, 4
+ROOM_FRAMES, ROOM_SEED = 60, 1
 TEST_RATE = 10  # frames per second; a busy computer with two cores can keep up
 
 MOST_ERROR = 0.08
@@ -167,7 +167,7 @@ def run_room(files: Files) -> RoomResult:
     # The node compiles its kernels while the recording is generated.
     with _live_node(files.room_log, default_model(), 'segmentation:=people'):
         _run_step('synth', files.room, '--frames', ROOM_FRAMES, *options)
-        estimates = _published_estimates(files.room, ROOM_FRAMES)
+        estimates = _published_estimates(files.room, ROOM_FRAMES, '--segmentation', 'people')
     write_live(files.room, files.room_live, estimates)
     _run_step('view', files.room_live, '-o', files.room_picture)
     return room_result(files.room_live)
@@ -318,10 +318,10 @@ def _evaluate(files: Files, model: Path) -> ModelAccuracy:
     return ModelAccuracy(results['mean_error_m'], results['map'])
 
 
-def _published_estimates(recording: Path, frames: int) -> list[SerializedMessage]:
+def _published_estimates(recording: Path, frames: int, *options: str) -> list[SerializedMessage]:
     """Publish a recording of `frames` frames and return the skeletons that the node publishes."""
     with _listener() as listener:
-        _run_step('replay', recording, '--publish', '--wait-for', _START_TIMEOUT)
+        _run_step('replay', recording, '--publish', '--wait-for', _START_TIMEOUT, *options)
         listener.wait_for_messages(frames, _END_TIMEOUT)
         return list(listener.received)
 
