@@ -118,6 +118,7 @@ class Row(NamedTuple):
         training_frames: number of training frames.
         tolerance_m, mean_error_m, ap: as in `evaluate --json`.
         paper_mean_error_m, paper_ap: numbers of the paper, None if not in its text.
+        frame_ms: median duration of the estimation of a frame, milliseconds.
     """
 
     variant: str
@@ -130,6 +131,7 @@ class Row(NamedTuple):
     ap: float | None
     paper_mean_error_m: float | None
     paper_ap: float | None
+    frame_ms: float | None
 
 
 def rows_of(experiment: Experiment, results: TrialResults) -> list[Row]:
@@ -156,6 +158,7 @@ def _rows(variant: Variant, result: TrialResult | None, tolerance: float) -> lis
             tolerance,
             *(found[part][1] if part in found else Accuracy()),
             *variant.paper.get(part, Accuracy()),
+            result.frame_ms if result else None,
         )
         for part in parts
     ]

@@ -159,7 +159,7 @@ def _table(section: Section) -> str:
     return (
         '<table>\n<thead><tr><th>variant</th><th>part</th><th>training frames</th>'
         '<th>error, cm</th><th>paper</th>'
-        f'<th>within {tolerance}, %</th><th>paper</th></tr></thead>\n'
+        f'<th>within {tolerance}, %</th><th>paper</th><th>ms per frame</th></tr></thead>\n'
         f'<tbody>\n{rows}</tbody>\n</table>'
     )
 
@@ -172,7 +172,8 @@ def _row(row: Row) -> str:
         f'<td>{_number(row.mean_error_m, "-")}</td>'
         f'<td class="paper">{_number(row.paper_mean_error_m, NOT_IN_TEXT)}</td>'
         f'<td>{_number(row.ap, "-")}</td>'
-        f'<td class="paper">{_number(row.paper_ap, NOT_IN_TEXT)}</td></tr>\n'
+        f'<td class="paper">{_number(row.paper_ap, NOT_IN_TEXT)}</td>'
+        f'<td>{"-" if row.frame_ms is None else f"{row.frame_ms:.1f}"}</td></tr>\n'
     )
 
 

@@ -15,6 +15,7 @@
 
 """Runs trials: those with equal descriptors or forests compute these only once."""
 
+import itertools
 import json
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -33,6 +34,8 @@ from lsc_pose_experiments.protocol import (
     folds_of,
 )
 from lsc_pose_experiments.sampled_frames import decode_frames
+from lsc_pose_experiments.shotton.part_estimator import PartEstimator
+from lsc_pose_experiments.shotton.part_model_training import train_part_model
 from lsc_pose_experiments.trial import (
     ResultStore,
     Trial,
@@ -43,7 +46,7 @@ from lsc_pose_experiments.trial import (
 )
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, default_edges
-from lsc_pose_ros.evaluation.evaluate import evaluate
+from lsc_pose_ros.evaluation.evaluate import JointEstimator, evaluate
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.features.point_features import feature_size
 from lsc_pose_ros.pose.model import Model
@@ -128,8 +131,38 @@ def _run_fold(
     fold, frames = divided
     key = fold_key(context.selection, fold)
     sizes = relative_body_sizes(decode_frames(frames.test))
+    for trial, ready in itertools.chain(
+        _forest_trials(context, frames, pending, where),
+        _body_part_trials(context, frames, pending, where),
+    ):
+        evaluation = evaluate(ready.estimator, decode_frames(frames.test))
+        result = TrialResult(
+            ready.estimator.joints,
+            evaluation.errors,
+            sizes,
+            ready.frames,
+            ready.seconds,
+            1000 * float(np.median(evaluation.seconds)),
+        )
+        context.store.save(trial_key(key, trial), result)
+        yield trial
+
+
+class _Trained(NamedTuple):
+    """An estimator, the number of its training frames, and the duration of its training."""
+
+    estimator: JointEstimator
+    frames: int
+    seconds: float
+
+
+def _forest_trials(
+    context: TrialContext, frames: FoldFrames, pending: Sequence[Trial], where: str
+) -> Iterator[tuple[Trial, _Trained]]:
+    """Yield the trials of the method of the paper, which share work."""
     left = len(pending)
-    for alike in _grouped(pending, _description_key):
+    mine = [trial for trial in pending if trial.body_parts is None]
+    for alike in _grouped(mine, _description_key):
         described = _DescribedFrames(frames, alike, context.progress, where)
         for same in _grouped(alike, _forest_key):
             context.progress(f'{where}training; {left} trials left')
@@ -137,14 +170,26 @@ def _run_fold(
             for trial in same:
                 settings = trial.training.settings
                 estimator = Estimator(model._replace(settings=settings), graph=trial.graph)
-                evaluation = evaluate(estimator, decode_frames(frames.test))
-                result = TrialResult(model.joints, evaluation.errors, sizes, count, seconds)
-                context.store.save(trial_key(key, trial), result)
+                yield trial, _Trained(estimator, count, seconds)
                 left -= 1
-                yield trial
 
 
-def _grouped(trials: list[Trial], key: Callable[[Trial], str]) -> list[list[Trial]]:
+def _body_part_trials(
+    context: TrialContext, frames: FoldFrames, pending: Sequence[Trial], where: str
+) -> Iterator[tuple[Trial, _Trained]]:
+    """Yield the trials of the rival that classifies body parts."""
+    for trial in pending:
+        if trial.body_parts is not None:
+            context.progress(f'{where}training on body parts')
+            begin = time.perf_counter()
+            chosen = frames.train[: trial.frames]
+            joints, seed = trial.training.joints, trial.training.seed
+            model = train_part_model(chosen, joints, trial.body_parts, seed)
+            seconds = time.perf_counter() - begin
+            yield trial, _Trained(PartEstimator(model), len(chosen), seconds)
+
+
+def _grouped(trials: Sequence[Trial], key: Callable[[Trial], str]) -> list[list[Trial]]:
     """Return `trials` grouped by key, in the order of the first trial of each group."""
     groups: dict[str, list[Trial]] = {}
     for trial in trials:

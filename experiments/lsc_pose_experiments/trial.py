@@ -25,6 +25,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_experiments.shotton import part_estimator, part_model_training
+from lsc_pose_experiments.shotton.part_model_training import PartModelSettings
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.errors import InputError
@@ -32,11 +34,16 @@ from lsc_pose_ros.evaluation import evaluate
 from lsc_pose_ros.evaluation.evaluate import Evaluation, summarise
 from lsc_pose_ros.numerics.source_hash import source_hash
 from lsc_pose_ros.training import train
+from lsc_pose_ros.training.body_parts import part_samples, part_training
 from lsc_pose_ros.training.train import TrainingSettings
 from lsc_pose_ros.viz.drawing.canvas import make_directory, write_beside
 
 # To be incremented if the contents of a result, or the sampling of frames, change.
-_FORMAT = 1
+_FORMAT = 2
+
+# The modules that, with those they use, determine the result of a trial.
+_PROGRAM = (train, evaluate)
+_PROGRAM_OF_BODY_PARTS = (part_estimator, part_model_training, part_samples, part_training)
 
 
 class Trial(NamedTuple):
@@ -46,11 +53,14 @@ class Trial(NamedTuple):
         training: settings of the training; a joint that is never labelled is left out.
         frames: the largest number of training frames.
         graph: whether the pictorial structure is used.
+        body_parts: settings of the rival that classifies body parts. It uses of `training` only
+            the joints and the seed. None for the method of the paper.
     """
 
     training: TrainingSettings
     frames: int
     graph: bool = True
+    body_parts: PartModelSettings | None = None
 
 
 class TrialResult(NamedTuple):
@@ -62,6 +72,8 @@ class TrialResult(NamedTuple):
         sizes: size of each person relative to the mean of the fold, shape (P,).
         frames: number of training frames; the mean over several folds.
         seconds: duration of the training; the sum over several folds.
+        frame_ms: median duration of the estimation of a frame, milliseconds; the mean over several
+            folds. None if unknown.
     """
 
     joints: NDArray[np.uint16]
@@ -69,6 +81,7 @@ class TrialResult(NamedTuple):
     sizes: NDArray[np.float32]
     frames: int
     seconds: float
+    frame_ms: float | None = None
 
 
 class Accuracy(NamedTuple):
@@ -113,14 +126,21 @@ def join_results(results: Sequence[TrialResult]) -> TrialResult:
         np.concatenate([result.sizes for result in results]),
         round(sum(result.frames for result in results) / len(results)),
         sum(result.seconds for result in results),
+        _mean([result.frame_ms for result in results]),
     )
+
+
+def _mean(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return sum(known) / len(known) if len(known) == len(values) else None
 
 
 def trial_key(fold: dict[str, object], trial: Trial) -> dict[str, object]:
     """Return everything that determines the result of `trial` in a fold, with the source code."""
+    modules = _PROGRAM if trial.body_parts is None else _PROGRAM + _PROGRAM_OF_BODY_PARTS
     return {
         'format': _FORMAT,
-        'program': [source_hash(module.__name__) for module in (train, evaluate)],
+        'program': [source_hash(module.__name__) for module in modules],
         'fold': fold,
         'trial': plain(trial),
     }
@@ -163,10 +183,11 @@ class ResultStore:
         make_directory(self._folder)
         score = accuracy_of(result, tolerance=0.1)
         table = {
-            # For information; only the errors are read back.
+            # Error and mAP are for information, and are not read back.
             'mean_error_m': score.error,
             'map': score.fraction,
             'seconds': result.seconds,
+            'frame_ms': result.frame_ms,
             'frames': result.frames,
             'joints': names_of(result.joints),
             'errors': _to_text(result.errors),
@@ -192,7 +213,9 @@ def _read(path: Path, key: dict[str, object]) -> TrialResult | None:
         sizes = _from_text(table['sizes'])
         if len(sizes) != len(errors):
             return None
-        return TrialResult(joints, errors, sizes, int(table['frames']), float(table['seconds']))
+        frames, seconds = int(table['frames']), float(table['seconds'])
+        frame_ms = None if table['frame_ms'] is None else float(table['frame_ms'])
+        return TrialResult(joints, errors, sizes, frames, seconds, frame_ms)
     except (OSError, ValueError, KeyError, TypeError, InputError):
         return None
 

@@ -17,18 +17,34 @@
 
 import time
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.training.samples import select_joints
+
+
+class JointEstimator(Protocol):
+    """Estimates joints, as `lsc_pose_ros.pose.estimator.Estimator` does."""
+
+    @property
+    def joints(self) -> NDArray[np.uint16]:
+        """The numbers of the joints that are estimated, shape (J,)."""
+
+    def estimate(
+        self,
+        depth: NDArray[np.floating],
+        labels: NDArray[np.signedinteger],
+        camera: Intrinsics,
+    ) -> Skeletons:
+        """Return the joints of each body in `labels`, in the order of the bodies' numbers."""
 
 
 class Evaluation(NamedTuple):
@@ -86,7 +102,7 @@ class Summary(NamedTuple):
     joints: dict[str, JointScore]
 
 
-def evaluate(estimator: Estimator, frames: Iterable[Frame]) -> Evaluation:
+def evaluate(estimator: JointEstimator, frames: Iterable[Frame]) -> Evaluation:
     """Return the errors of `estimator` on each labelled person of `frames`.
 
     Estimate and ground truth of a person have the same number in the mask.

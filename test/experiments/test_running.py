@@ -23,12 +23,15 @@ from lsc_pose_experiments import running
 from lsc_pose_experiments.protocol import DataSelection, FrameSampler, fold_key, folds_of
 from lsc_pose_experiments.running import TrialContext, relative_body_sizes, result_of, run_trials
 from lsc_pose_experiments.sampled_frames import decode_frames
+from lsc_pose_experiments.shotton.part_estimator import PartEstimator
+from lsc_pose_experiments.shotton.part_model_training import PartModelSettings, train_part_model
 from lsc_pose_experiments.trial import ResultStore, Trial, TrialResult, join_results, trial_key
 
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.evaluation.evaluate import evaluate
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.settings import Settings
+from lsc_pose_ros.training.body_parts.part_tree_growth import PartGrowth
 from lsc_pose_ros.training.train import TrainingSettings, train
 from lsc_pose_ros.training.tree_growth import GrowthSettings
 
@@ -40,6 +43,8 @@ SMALL = TrainingSettings(
     seed=3,
     hold_out=0.0,
 )
+
+BODY_PARTS = PartModelSettings(2, PartGrowth(10, features=20), 100, 50)
 
 
 @pytest.fixture
@@ -79,6 +84,26 @@ def test_trial_is_a_training_and_an_evaluation(trial, frames, context):
     np.testing.assert_array_equal(found.joints, wanted.joints)
     assert found.frames == frames
     assert len(found.errors) == 20
+
+
+def test_body_part_trial_is_a_training_and_an_evaluation(context):
+    rival = Trial(SMALL, 30, graph=False, body_parts=BODY_PARTS)
+    assert list(run_trials(context, [rival, Trial(SMALL, 30)])) == [Trial(SMALL, 30), rival]
+    found = result_of(context, rival)
+    (fold,) = folds_of(context.selection)
+    drawn = FrameSampler(context.selection, 1000, context.read).frames(fold)
+    model = train_part_model(drawn.train[:30], SMALL.joints, BODY_PARTS, SMALL.seed)
+    wanted = evaluate(PartEstimator(model), decode_frames(drawn.test))
+    np.testing.assert_array_equal(found.errors, wanted.errors)
+    np.testing.assert_array_equal(found.joints, model.joints)
+    assert found.frames == 30
+
+
+def test_time_of_a_frame_is_measured(context):
+    list(run_trials(context, [Trial(SMALL, 10)]))
+    frame_ms = result_of(context, Trial(SMALL, 10)).frame_ms
+    assert frame_ms is not None
+    assert 0 < frame_ms < 1e4
 
 
 def test_shared_work_is_done_once(context, monkeypatch):
@@ -181,7 +206,7 @@ def result():
     """Two people, three joints: known, not estimated, not labelled."""
     errors = np.array([[0.01, np.inf, np.nan], [0.123456, 0.2, 0.3]], np.float32)
     return TrialResult(
-        numbers_of(['head', 'neck', 'l_hand']), errors, np.ones(2, np.float32), 7, 1.5
+        numbers_of(['head', 'neck', 'l_hand']), errors, np.ones(2, np.float32), 7, 1.5, 12.5
     )
 
 
@@ -222,14 +247,18 @@ def test_damaged_file_is_ignored(damage, result, tmp_path):
 
 def test_results_of_different_joints_are_joined(result):
     other = result._replace(
-        joints=numbers_of(['neck', 'r_hand']), errors=np.ones((2, 2), np.float32), frames=9
+        joints=numbers_of(['neck', 'r_hand']),
+        errors=np.ones((2, 2), np.float32),
+        frames=9,
+        frame_ms=13.5,
     )
     joined = join_results([result, other])
     assert names_of(joined.joints) == ['head', 'neck', 'l_hand', 'r_hand']
     np.testing.assert_array_equal(joined.errors[:2, :3], result.errors)
     np.testing.assert_array_equal(joined.errors[2:, [1, 3]], 1)
     assert np.isnan(joined.errors).sum() == 1 + 2 + 4
-    assert (joined.frames, joined.seconds) == (8, 3.0)
+    assert (joined.frames, joined.seconds, joined.frame_ms) == (8, 3.0, 13.0)
+    assert join_results([result, other._replace(frame_ms=None)]).frame_ms is None
 
 
 def test_key_changes_with_each_setting(context):
@@ -244,6 +273,8 @@ def test_key_changes_with_each_setting(context):
         Trial(SMALL._replace(growth=GrowthSettings(depth=7)), 60),
         Trial(SMALL._replace(leaves=SMALL.leaves._replace(clusters=1)), 60),
         Trial(SMALL._replace(seed=4), 60),
+        Trial(SMALL, 60, body_parts=BODY_PARTS),
+        Trial(SMALL, 60, body_parts=BODY_PARTS._replace(pixels=99)),
         Trial(SMALL._replace(joints=SMALL.joints[:-1]), 60),
     ]
     keys = [json.dumps(trial_key(key, trial)) for trial in trials]
