@@ -243,4 +243,4 @@ def _solve_graph(structure: Structure, body: BodyEstimate) -> None:
 def _rate_joints(model: Model, body: BodyEstimate) -> None:
     bandwidth = float(model.settings.joint_bandwidth)
     body.confidence = confidence_in(model.calibration, body.joint_votes, body.joints, bandwidth)
-    body.confidence *= truncation_factor(body.joints, body.cuts)
+    body.confidence *= truncation_factor(body.joints, body.cuts, model.joints)

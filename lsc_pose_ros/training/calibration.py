@@ -86,7 +86,8 @@ def gather_calibration_data(model: Model, people: Iterable[LabelledPerson]) -> C
         run_stages(stages, body)
         errors = np.linalg.norm(body.joints - person.joints * person.scale, axis=-1)
         fractions.append(vote_fractions(body.joint_votes, body.joints, settings.joint_bandwidth))
-        unknown = np.isnan(errors) | (truncation_factor(body.joints, person.cuts) < 1)
+        factor = truncation_factor(body.joints, person.cuts, model.joints)
+        unknown = np.isnan(errors) | (factor < 1)
         near.append(np.where(unknown, np.nan, errors <= NEAR).astype(np.float32))
     shape = -1, len(model.joints)
     return CalibrationData(
