@@ -33,6 +33,23 @@ OpenCV's last two, of a tilted sensor, are not among them.
 """
 
 
+LEAST_FOCAL_LENGTH = 1.0
+"""Pixels; the angle of view of an image of 4 pixels would be 127 degrees."""
+
+LARGEST_PIXEL_LENGTH = 1e6
+"""The largest focal length, and distance of the principal point from the corner, in pixels."""
+
+
+def is_possible(fx: float, fy: float, cx: float, cy: float) -> bool:
+    """Return whether a camera can have these focal lengths and this principal point, in pixels."""
+    return (
+        min(fx, fy) >= LEAST_FOCAL_LENGTH
+        and max(fx, fy) <= LARGEST_PIXEL_LENGTH
+        and max(abs(cx), abs(cy)) <= LARGEST_PIXEL_LENGTH
+        and not np.isnan([fx, fy, cx, cy]).any()
+    )
+
+
 class Lens(NamedTuple):
     """The distortion of a lens (distortion_model and D of CameraInfo).
 

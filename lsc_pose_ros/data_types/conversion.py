@@ -15,7 +15,7 @@
 
 """Converts depth images and masks of cameras and other programs into depth and labels."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,22 @@ def metres_from_millimetres(millimetres: NDArray[np.generic]) -> NDArray[np.floa
 def without_invalid(metres: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return `metres` after NaN, infinity and negative values were set to 0, in place."""
     metres[~(np.isfinite(metres) & (metres > 0))] = 0
+    return metres
+
+
+class DepthRange(NamedTuple):
+    """The depths that a camera can measure, metres; others are no measurement.
+
+    Some drivers send the largest float for pixels without depth.
+    """
+
+    minimum: float = 0.1
+    maximum: float = 20.0
+
+
+def keep_in_range(metres: NDArray[np.float32], limits: DepthRange) -> NDArray[np.float32]:
+    """Return `metres` after values outside of `limits` were set to 0, in place."""
+    metres[~((metres >= limits.minimum) & (metres <= limits.maximum))] = 0
     return metres
 
 

@@ -25,7 +25,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.data_types.camera import MOST_COEFFICIENTS, Intrinsics, Lens
+from lsc_pose_ros.data_types.camera import (
+    LARGEST_PIXEL_LENGTH,
+    LEAST_FOCAL_LENGTH,
+    MOST_COEFFICIENTS,
+    Intrinsics,
+    Lens,
+    is_possible,
+)
 from lsc_pose_ros.errors import InputError
 
 _DEPTH_TYPE = np.dtype(np.float32)
@@ -113,6 +120,13 @@ def _check_camera(camera: Intrinsics) -> Intrinsics:
         fx = fy = cx = cy = math.nan
     if not (0 < fx < math.inf and 0 < fy < math.inf and math.isfinite(cx + cy)):
         msg = f'{camera} has no positive focal lengths or no finite principal point, in pixels'
+        raise InputError(msg)
+    if not is_possible(fx, fy, cx, cy):
+        msg = (
+            f'{camera} is no possible camera: focal lengths must be from {LEAST_FOCAL_LENGTH:g} '
+            f'to {LARGEST_PIXEL_LENGTH:g} pixels, the principal point within '
+            f'{LARGEST_PIXEL_LENGTH:g} pixels'
+        )
         raise InputError(msg)
     lens = None if camera.lens is None else _check_lens(camera.lens)
     return Intrinsics(fx, fy, cx, cy, lens)

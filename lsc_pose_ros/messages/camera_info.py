@@ -24,11 +24,14 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import (
     EQUIDISTANT,
+    LARGEST_PIXEL_LENGTH,
+    LEAST_FOCAL_LENGTH,
     MOST_COEFFICIENTS,
     PLUMB_BOB,
     RATIONAL_POLYNOMIAL,
     Intrinsics,
     Lens,
+    is_possible,
 )
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.rectification import (
@@ -157,6 +160,14 @@ def _image_camera(calibration: _Calibration, source: ImageSource) -> ImageCamera
         )
     )
     camera = Intrinsics(fx / columns, fy / rows, (cx - left) / columns, (cy - top) / rows, lens)
+    if not is_possible(*camera[:4]):
+        msg = (
+            f'the matrix {name} of the camera info gives the focal lengths {camera.fx:g} and '
+            f'{camera.fy:g} and the principal point ({camera.cx:g}, {camera.cy:g}); a camera has '
+            f'focal lengths from {LEAST_FOCAL_LENGTH:g} to {LARGEST_PIXEL_LENGTH:g} pixels and a '
+            f'principal point within {LARGEST_PIXEL_LENGTH:g} pixels'
+        )
+        raise InputError(msg)
     what = 'rectified' if rectified else 'raw'
     distortion = f'the distortion {lens.model}' if lens else 'no distortion'
     choice = f'{what} images ({reason}): {name}, {distortion}'

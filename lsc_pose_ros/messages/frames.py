@@ -22,11 +22,14 @@ from typing import Protocol
 import numpy as np
 
 from lsc_pose_ros.camera.rays import pixels_outside_field
+from lsc_pose_ros.data_types.conversion import DepthRange, keep_in_range
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.image_pixels import AnyImage, depth_of, labels_of
 from lsc_pose_ros.messages.parse import StampedCamera
+
+_DEPTH_RANGE = DepthRange()
 
 
 class FrameTopics(Protocol):
@@ -53,6 +56,7 @@ def make_frame(
     *,
     topics: FrameTopics,
     mask_background: int = 0,
+    depth_range: DepthRange = _DEPTH_RANGE,
 ) -> Frame:
     """Return the frame that the messages hold; it has the stamp of the depth image.
 
@@ -63,12 +67,13 @@ def make_frame(
         ground_truth: the labelled skeletons, if any.
         topics: the topics of the messages.
         mask_background: the mask's pixel value for no body.
+        depth_range: pixels with another depth have none.
 
     Raises:
         InputError: a message cannot be used; the error names its topic.
     """
     with error_names_topic(topics.depth):
-        metres = depth_of(depth)
+        metres = keep_in_range(depth_of(depth), depth_range)
     if mask is None:
         labels = np.full(metres.shape, NO_BODY, np.int32)
     else:

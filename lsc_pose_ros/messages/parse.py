@@ -141,6 +141,8 @@ def _parse_points(message: Any, fields: dict[str, Any]) -> NDArray[np.void]:  # 
     wanted = GROUND_TRUTH_DTYPE if 'visibility' in fields else POINT_DTYPE
     order = '>' if message.is_bigendian else '<'
     names = list(wanted.names or ())
+    for name in names:
+        _check_field(fields[name], message.point_step)
     point = np.dtype(
         {
             'names': names,
@@ -154,3 +156,14 @@ def _parse_points(message: Any, fields: dict[str, Any]) -> NDArray[np.void]:  # 
     rows = data[: height * message.row_step].reshape(height, message.row_step)
     used = np.ascontiguousarray(rows[:, : width * message.point_step])
     return used.view(point).reshape(height, width).astype(wanted)
+
+
+def _check_field(field: Any, point_step: int) -> None:  # noqa: ANN401
+    """Raise InputError if a point has no room for `field`; numpy does not check it safely."""
+    size = np.dtype(POINT_FIELD_TYPES.get(field.datatype, 'V0')).itemsize
+    if not size or not 0 <= field.offset <= point_step - size:
+        msg = (
+            f'the field {field.name!r:.50} of the point cloud, type {field.datatype} at offset '
+            f'{field.offset}, does not fit a point of {point_step} bytes'
+        )
+        raise InputError(msg)

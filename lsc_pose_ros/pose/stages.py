@@ -198,7 +198,7 @@ def _find_silhouette(settings: Settings, body: BodyEstimate) -> None:
 def _describe_points(settings: Settings, body: BodyEstimate) -> None:
     points = body.silhouette.points
     body.scale = unit_of_length(points, body.cuts, settings)
-    if body.scale <= 0:
+    if not 0 < body.scale < np.inf:  # not for NaN, either
         raise TooLittleVisibleError
     body.queries = choose_uniformly(len(points), settings.query_points)
     body.points = points[body.queries]

@@ -185,6 +185,27 @@ class SegmentationSettings:
 
 
 @dataclass(frozen=True)
+class DepthSettings:
+    """Which depths are measurements."""
+
+    minimum_depth: float = setting(
+        0.1,
+        'Least depth that the camera measures; smaller values are read as no depth.',
+        unit='metres',
+        lowest=0.01,
+        highest=10.0,
+    )
+    maximum_depth: float = setting(
+        20.0,
+        'Largest depth that the camera measures; larger values are read as no depth.',
+        unit='metres',
+        lowest=0.1,
+        highest=100.0,
+        details='Some drivers send the largest number for pixels without depth.',
+    )
+
+
+@dataclass(frozen=True)
 class MaskSettings:
     """How masks are read."""
 
@@ -380,7 +401,7 @@ class TransformSettings:
 SECTIONS: dict[str, tuple[type, ...]] = {
     'Start': (StartSettings,),
     'Model': (ModelSettings,),
-    'Camera': (CameraSettings,),
+    'Camera': (CameraSettings, DepthSettings),
     'Segmentation': (SegmentationSettings, MaskSettings),
     'Tracking and smoothing': (TemporalSettings,),
     'Topics': (SynchronizationSettings, SubscriptionSettings),
@@ -391,7 +412,9 @@ SECTIONS: dict[str, tuple[type, ...]] = {
 
 # The fields of a dataclass are those of its last base first.
 @dataclass(frozen=True)
-class FrameSettings(SynchronizationSettings, MaskSettings, SegmentationSettings, CameraSettings):
+class FrameSettings(
+    SynchronizationSettings, MaskSettings, SegmentationSettings, DepthSettings, CameraSettings
+):
     """How frames are made from messages, live and from recordings."""
 
 

@@ -17,8 +17,10 @@
 
 from lsc_pose_ros.camera.roll import upright
 from lsc_pose_ros.camera.roll_finder import RollFinder
+from lsc_pose_ros.data_types.conversion import DepthRange
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.frames import FrameTopics, make_frame
 from lsc_pose_ros.messages.image_pixels import AnyImage
 from lsc_pose_ros.messages.mask_check import MaskCheck
@@ -46,8 +48,14 @@ class FrameMaker:
             settings: how frames are made.
 
         Raises:
-            InputError: the segmentation is unknown, or its range is empty.
+            InputError: the segmentation is unknown, or a range is empty.
         """
+        if not settings.minimum_depth < settings.maximum_depth:
+            msg = (
+                f'minimum_depth is {settings.minimum_depth:g} m and maximum_depth '
+                f'{settings.maximum_depth:g} m; minimum_depth must be the smaller'
+            )
+            raise InputError(msg)
         self.camera = self.bodies = ''
         self.roll_finder = RollFinder(settings.roll, settings.gravity_frame)
         self.warnings: list[str] = []
@@ -74,9 +82,15 @@ class FrameMaker:
             InputError: a message cannot be used; the error names its topic.
         """
         self._note_camera(camera)
-        background = self._settings.mask_background
+        settings = self._settings
         frame = make_frame(
-            depth, mask, camera, ground_truth, topics=self._topics, mask_background=background
+            depth,
+            mask,
+            camera,
+            ground_truth,
+            topics=self._topics,
+            mask_background=settings.mask_background,
+            depth_range=DepthRange(settings.minimum_depth, settings.maximum_depth),
         )
         frame = upright(frame, self.roll_finder.find(frame.frame_id))
         self._warn(self.roll_finder.warning)

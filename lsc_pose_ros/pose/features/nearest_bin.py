@@ -72,7 +72,7 @@ def _add_to_one(
     """Add 1 to the bin at a position that is measured in bins."""
     ring = min(max(math.floor(radius), 0), RADIUS_BINS - 1) * AZIMUTH_BINS
     sector = (ring + math.floor(azimuth) % AZIMUTH_BINS) * ZENITH_BINS
-    histogram[sector + min(math.floor(zenith), ZENITH_BINS - 1)] += 1
+    histogram[sector + min(max(math.floor(zenith), 0), ZENITH_BINS - 1)] += 1
 
 
 @kernel

@@ -84,7 +84,7 @@ def describe_in_image(
 def _add(histogram: NDArray[np.float64], radius: float, azimuth: float) -> None:
     """Split the weight 1 over the four bins around a position measured in bin centres."""
     radius = min(max(radius, 0.0), RADIUS_BINS - 1.0)
-    near = min(int(radius), RADIUS_BINS - 2)
+    near = max(min(int(radius), RADIUS_BINS - 2), 0)  # NaN becomes some integer
     to_far = radius - near
     floor = math.floor(azimuth)
     to_next = azimuth - floor

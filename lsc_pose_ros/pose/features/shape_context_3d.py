@@ -196,9 +196,10 @@ def _measure(reach: _Reach, found: int, per_log: float, shift: float, bins: _Bin
         zenith = _arc_cosine(cosine) * _PER_ZENITH - _HALF
         zenith = min(max(zenith, _ZERO), _SINGLE(ZENITH_BINS - 1))
         # The very end of the scale is expressed as the last bin but one with fraction 1.
-        near = min(np.int32(radius), np.int32(RADIUS_BINS - 2))
-        first = min(np.int32(azimuth), np.int32(AZIMUTH_BINS - 1))
-        front = min(np.int32(zenith), np.int32(ZENITH_BINS - 2))
+        # NaN becomes some integer, so each bin is bounded below as well.
+        near = max(min(np.int32(radius), np.int32(RADIUS_BINS - 2)), np.int32(0))
+        first = max(min(np.int32(azimuth), np.int32(AZIMUTH_BINS - 1)), np.int32(0))
+        front = max(min(np.int32(zenith), np.int32(ZENITH_BINS - 2)), np.int32(0))
         bins.radius[j] = radius - _SINGLE(near)
         bins.azimuth[j] = azimuth - _SINGLE(first)
         bins.zenith[j] = zenith - _SINGLE(front)

@@ -97,7 +97,7 @@ def confidence_in(
         if math.isnan(positions[joint, 0]):
             continue
         scaled = min(max(fractions[joint], np.float32(0)), np.float32(1)) * np.float32(steps)
-        knot = min(int(scaled), steps - 1)
+        knot = max(min(int(scaled), steps - 1), 0)  # NaN becomes some integer
         part = scaled - np.float32(knot)
         before, after = calibration[joint, knot], calibration[joint, knot + 1]
         confidence[joint] = before + part * (after - before)
