@@ -19,7 +19,9 @@ from collections.abc import Callable
 from typing import Any, ParamSpec, TypeVar
 
 import numba
+from numba.core.registry import CPUDispatcher
 
+from lsc_pose_ros.numerics.interrupts import InterruptSafeDispatcher
 from lsc_pose_ros.numerics.kernel_cache import enable_cache
 
 # Depth images hold NaN and infinity, so `nnan` and `ninf` must stay out of this set.
@@ -53,6 +55,8 @@ def _compile(
     compiled: Any = numba.njit(
         nogil=True, error_model='numpy', fastmath=fastmath, parallel=parallel
     )(function)
+    if isinstance(compiled, CPUDispatcher):  # not with NUMBA_DISABLE_JIT
+        compiled.__class__ = InterruptSafeDispatcher
     enable_cache(compiled, function)
     result: Callable[_Parameters, _Result] = compiled
     return result
