@@ -58,7 +58,7 @@ UNIT = np.float32(0.001)
 """Values are multiples of this; a probability p is stored as p + UNIT, because 0 is unknown."""
 
 
-REFINED = 0.15
+REFINED = 0.35
 """Cells that show a person with a smaller smoothed probability are not classified again."""
 
 

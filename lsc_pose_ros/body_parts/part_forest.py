@@ -44,7 +44,7 @@ BEYOND = np.float32(10.0)
 SURE = np.float32(0.8)
 """If the first trees say "no person" with this probability, the others are not asked."""
 
-LIKELY = np.float32(0.35)
+LIKELY = np.float32(0.5)
 """Around cells that show a person with less than this probability, fewer cells are classified."""
 
 _FULL = np.float32(1.0 / 255.0)
