@@ -30,5 +30,9 @@ for sensor in kinect_v1 kinect_v2 azure realsense zed tof; do
     $lsc_pose view "$work/$sensor.mcap" -o "$pictures/sensor_$sensor.png" --frames 6 --model default
 done
 
+$lsc_pose synth "$work/rooms.mcap" --frames 12 --clip-length 1 --seed 2004 --yaw 180 --people 2 \
+    --furniture
+$lsc_pose view "$work/rooms.mcap" -o "$pictures/rooms.png" --frames 12 --model default
+
 ${PYTHON:-python3} -m lsc_pose_ros.demo --directory "$work/demo"
 $lsc_pose view "$work/demo/live.mcap" -o "$pictures/live.png" --at 10 50 90 120 150 190
