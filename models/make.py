@@ -226,9 +226,10 @@ def publish(arguments: argparse.Namespace, files: ModelFiles, results: dict[str,
         )
         raise InputError(msg)
     target = arguments.target / f'{arguments.name}.npz'
-    temporary = target.with_suffix('.part')
+    installed = target.resolve()  # the target can be a link to the resources of the package
+    temporary = installed.with_suffix('.part')
     shutil.copyfile(files.model, temporary)
-    temporary.replace(target)
+    temporary.replace(installed)
     metadata: dict[str, Any] = {
         'model': target.name,
         'date': dt.datetime.now(dt.timezone.utc).date().isoformat(),

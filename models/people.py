@@ -167,8 +167,8 @@ RECIPES: dict[str, Recipe] = {
         ),
         tests=_ALL_VIEWS,
         others=_SPECIAL_VIEWS,
-        train_options=('--leaf-samples', '42', '--body-yaw'),
-        memory=20.0,
+        train_options=('--leaf-samples', '23', '--body-yaw'),
+        memory=13.0,
     ),
     'front': Recipe(
         training=(

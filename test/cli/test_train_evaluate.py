@@ -171,10 +171,14 @@ def test_evaluate_prints_a_table_and_writes_the_agreed_results(
     words = ['evaluate', model, recordings[1], '--tolerance', '0.2', '--json', str(path)]
     assert main([*words, *([] if graph else ['--no-graph'])]) == 0
     table = capsys.readouterr().out
-    assert [line.split()[0] for line in table.splitlines()] == [
-        'joint', 'head', 'neck', 'l_knee', 'mean', '30', 'confidence',
-    ]  # fmt: skip
     results = json.loads(path.read_text())
+    visibility = results['visibility']
+    assert [line.split()[0] for line in table.splitlines()] == [
+        'joint', 'head', 'neck', 'l_knee', 'mean',
+        'joints', *(name.split()[0] for name in visibility), '30', 'confidence',
+    ]  # fmt: skip
+    assert visibility['seen']['n'] > 0
+    assert sum(score['n'] for score in visibility.values()) == 90
     assert results['frames'] == 30
     assert results['tolerance_m'] == 0.2
     assert results['graph'] is graph

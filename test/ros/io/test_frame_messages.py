@@ -71,7 +71,8 @@ def frame_of(messages: FrameMessages, topics: TopicNames, background: int) -> Fr
     return frame_of_maker(messages, maker, topics, settings.rectified)
 
 
-MILLIMETRES = np.arange(1, HEIGHT * WIDTH + 1, dtype='<u2').reshape(HEIGHT, WIDTH) * 10
+# From 0.1 m on: what is nearer is no depth.
+MILLIMETRES = np.arange(10, HEIGHT * WIDTH + 10, dtype='<u2').reshape(HEIGHT, WIDTH) * 10
 MASK = np.where(np.arange(WIDTH) > 7, 3, 0).astype('u1') * np.ones((HEIGHT, 1), 'u1')
 
 
