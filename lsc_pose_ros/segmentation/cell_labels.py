@@ -16,6 +16,8 @@
 
 """Labels of all pixels from labels of a coarse grid of cells."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +30,20 @@ SLOPE = 0.02
 
 ASIDE = 0.01
 """By how much more the depths of the eight cells around the nearest one seem to differ, metres."""
+
+
+class Around(NamedTuple):
+    """A cell and the up to eight around it, for the pixels that are nearest to it.
+
+    Attributes:
+        depth: metres, shape (9,).
+        more: by how much more their depths seem to differ from a pixel's, metres, shape (9,).
+        label: the body of each, NO_BODY for none, shape (9,).
+    """
+
+    depth: NDArray[np.float32]
+    more: NDArray[np.float32]
+    label: NDArray[np.int32]
 
 
 @kernel
@@ -54,17 +70,19 @@ def labels_from_cells(
     height, width = depth.shape
     rows, columns = cell_labels.shape
     labels = np.full((height, width), NO_BODY, np.int32)
+    around = Around(np.empty(9, np.float32), np.empty(9, np.float32), np.empty(9, np.int32))
     for i in range(rows):
         first_row, last_row = pixels_of(i, rows, spacing, offset, height)
         for j in range(columns):
             if not near_body(cell_labels, i, j):
                 continue
+            count = cells_around(cell_labels, cell_depth, i, j, around)
             first, last = pixels_of(j, columns, spacing, offset, width)
             for row in range(first_row, last_row):
                 for column in range(first, last):
                     z = depth[row, column]
                     if 0 < z < np.inf:
-                        labels[row, column] = label_at(cell_labels, cell_depth, i, j, z)
+                        labels[row, column] = label_at(around, count, z)
     return labels
 
 
@@ -88,22 +106,32 @@ def near_body(cell_labels: NDArray[np.int32], i: int, j: int) -> bool:
 
 
 @kernel
-def label_at(
+def cells_around(
     cell_labels: NDArray[np.int32],
     cell_depth: NDArray[np.float32],
     i: int,
     j: int,
-    z: np.float32,
+    around: Around,
 ) -> int:
-    """Return the label of a pixel at depth `z` whose nearest cell is (i, j)."""
-    nearest = np.float32(STEP) + np.float32(SLOPE) * z
-    label = NO_BODY
+    """Write cell (i, j) and the cells around it that have a depth; return their number."""
+    count = 0
     for k in range(max(i - 1, 0), min(i + 2, cell_labels.shape[0])):
         for m in range(max(j - 1, 0), min(j + 2, cell_labels.shape[1])):
-            difference = abs(cell_depth[k, m] - z)
-            if k != i or m != j:
-                difference += np.float32(ASIDE)
-            if cell_depth[k, m] > 0 and difference < nearest:
-                nearest = difference
-                label = cell_labels[k, m]
+            if cell_depth[k, m] > 0:
+                around.depth[count], around.label[count] = cell_depth[k, m], cell_labels[k, m]
+                around.more[count] = np.float32(0 if k == i and m == j else ASIDE)
+                count += 1
+    return count
+
+
+@kernel
+def label_at(around: Around, count: int, z: np.float32) -> int:
+    """Return the label of a pixel at depth `z`, of the first `count` cells around it."""
+    nearest = np.float32(STEP) + np.float32(SLOPE) * z
+    label = NO_BODY
+    for n in range(count):
+        difference = abs(around.depth[n] - z) + around.more[n]
+        if difference < nearest:
+            nearest = difference
+            label = around.label[n]
     return label
