@@ -44,6 +44,8 @@ import os, random, signal, sys, threading, time
 import numpy as np
 from test_interrupts import double
 
+# A program that a shell started in the background ignores SIGINT.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 values = np.ones(3)
 double(values)
 sent = threading.Event()
