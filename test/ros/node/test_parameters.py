@@ -174,6 +174,8 @@ WHILE_UNCONFIGURED = {
     'range_max': 3.0,
     'background_seconds': 1.0,
     'background_margin': 0.2,
+    'minimum_depth': 0.2,
+    'maximum_depth': 15.0,
     'rectified': 'true',
     'camera_roll': '90',
     'gravity_frame': 'base_link',
