@@ -47,7 +47,7 @@ def test_what_is_measured_can_be_true(ros_environment, small_model_file, tmp_pat
     words = ['--size', '160x120', '--rate', 20, '--seconds', 3, '--settle', 1]
     ended = live(ros_environment, *words, '--model', small_model_file, '--json', path)
     assert ended.returncode == 0, ended.stderr
-    assert '| 160x120 at 20 Hz, 3 s |' in ended.stdout
+    assert '| 160x120 at 20 Hz, 3 s, one person, masks |' in ended.stdout
     results = json.loads(path.read_text())
     assert results['model'] == str(small_model_file)
     (run,) = results['runs']
