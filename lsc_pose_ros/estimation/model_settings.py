@@ -42,7 +42,11 @@ def make_estimator(model: Model, settings: ModelSettings, name: str) -> Estimato
             msg = f'{name}: {reason}'
             raise InputError(msg)
         changed = changed._replace(query_points=settings.query_points)
-    return Estimator(model._replace(settings=changed), graph=settings.graph)
+    return Estimator(
+        model._replace(settings=changed),
+        graph=settings.graph,
+        maximum_bodies=settings.maximum_bodies,
+    )
 
 
 def query_points_refusal(query_points: int, points: int) -> str:

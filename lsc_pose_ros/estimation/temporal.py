@@ -48,6 +48,8 @@ class TemporalEstimator:
             thread.
         left_out: the number of bodies that were left out because of their low confidence or their
             small stature.
+        beyond_maximum: the number of bodies that were not estimated because there were larger
+            ones, as many as `Estimator.maximum_bodies`.
     """
 
     def __init__(self, estimator: Estimator, settings: TemporalSettings) -> None:
@@ -60,6 +62,7 @@ class TemporalEstimator:
         self.estimator = estimator
         self.settings = settings
         self.left_out = 0
+        self.beyond_maximum = 0
         self.reset()
 
     def reset(self) -> None:
@@ -93,7 +96,8 @@ class TemporalEstimator:
         Raises:
             InputError: as `Estimator.estimate`.
         """
-        skeletons = self.estimator.estimate(depth, labels, camera, observer)
+        skeletons, beyond = self.estimator.estimate_largest(depth, labels, camera, observer)
+        self.beyond_maximum += beyond
         return self.follow(stamp, skeletons, from_mask=from_mask)
 
     def follow(self, stamp: int, skeletons: Skeletons, *, from_mask: bool = True) -> Skeletons:

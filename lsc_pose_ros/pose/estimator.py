@@ -39,11 +39,17 @@ class Estimator:
     Attributes:
         model: a trained model.
         graph: whether the pictorial structure joins the modes.
+        maximum_bodies: how many bodies of a frame are estimated; None for all.
         stages: the stages of the method in their order.
     """
 
     def __init__(
-        self, model: Model, *, graph: bool = True, stages: Sequence[Stage] | None = None
+        self,
+        model: Model,
+        *,
+        graph: bool = True,
+        maximum_bodies: int | None = None,
+        stages: Sequence[Stage] | None = None,
     ) -> None:
         """Prepare the stages.
 
@@ -51,6 +57,8 @@ class Estimator:
             model: a trained model.
             graph: whether the pictorial structure joins the modes (eq. 16, 17); without it each
                 joint is the highest mode of its own density (eq. 14).
+            maximum_bodies: estimate only so many bodies of a frame, those with the most pixels;
+                None for all.
             stages: stages to run instead of those of the method, with the same results.
 
         Raises:
@@ -64,6 +72,7 @@ class Estimator:
             raise InputError(msg)
         self.model = model
         self.graph = graph
+        self.maximum_bodies = maximum_bodies
         self.stages = tuple(stages or method_stages(model, graph=graph))
 
     @property
@@ -93,8 +102,21 @@ class Estimator:
         Raises:
             InputError: an argument has another type, shape or unit.
         """
+        return self.estimate_largest(depth, labels, camera, observer)[0]
+
+    def estimate_largest(
+        self,
+        depth: NDArray[np.floating],
+        labels: NDArray[np.signedinteger],
+        camera: Intrinsics,
+        observer: Observer | None = None,
+    ) -> tuple[Skeletons, int]:
+        """Return what `estimate` returns, and how many bodies are beyond `maximum_bodies`.
+
+        Arguments and exceptions as `estimate`.
+        """
         images = check_images(depth, labels, camera)
-        bodies = bodies_in(images.labels)
+        bodies, beyond = largest_bodies(images.labels, self.maximum_bodies)
         _check_background(images.labels, bodies)
         count = len(self.model.joints)
         positions = np.full((len(bodies), count, 3), np.nan, np.float32)
@@ -105,7 +127,7 @@ class Estimator:
                 positions[row] = body.joints
                 confidence[row] = body.confidence
         _check_unit(positions[..., 2])
-        return Skeletons(bodies, self.model.joints, positions, confidence)
+        return Skeletons(bodies, self.model.joints, positions, confidence), beyond
 
     def estimate_body(
         self,
@@ -140,6 +162,25 @@ def bodies_in(labels: NDArray[np.int32]) -> NDArray[np.uint16]:
     """Return the numbers of the bodies in `labels`, sorted, shape (B,).
 
     Raises:
+        InputError: as `largest_bodies`.
+    """
+    return largest_bodies(labels)[0]
+
+
+def largest_bodies(
+    labels: NDArray[np.int32], most: int | None = None
+) -> tuple[NDArray[np.uint16], int]:
+    """Return the bodies with the most pixels, and how many others there are.
+
+    Args:
+        labels: the body number of each pixel, negative for none, shape (H, W).
+        most: how many bodies are returned at most; None for all.
+
+    Returns:
+        The numbers of the bodies, sorted, shape (B,), and the number of the others. Of equally
+        large bodies, those with the lower numbers are returned.
+
+    Raises:
         InputError: a number is larger than LARGEST_BODY.
     """
     foreground = labels[labels >= 0]
@@ -147,7 +188,13 @@ def bodies_in(labels: NDArray[np.int32]) -> NDArray[np.uint16]:
     if largest > LARGEST_BODY:
         msg = f'labels has the body number {largest}; the largest possible is {LARGEST_BODY}'
         raise InputError(msg)
-    return np.flatnonzero(np.bincount(foreground)).astype(np.uint16)
+    sizes = np.bincount(foreground)
+    bodies = np.flatnonzero(sizes)
+    beyond = 0 if most is None else max(len(bodies) - most, 0)
+    if beyond:
+        order = np.argsort(-sizes[bodies], kind='stable')
+        bodies = np.sort(bodies[order[:most]])
+    return bodies.astype(np.uint16), beyond
 
 
 def _check_background(labels: NDArray[np.int32], bodies: NDArray[np.uint16]) -> None:

@@ -84,6 +84,15 @@ class ModelSettings:
         details='Fewer points are faster and less accurate. The largest number is that of the '
         'points that the model was trained with.',
     )
+    maximum_bodies: int = setting(
+        20,
+        'Largest number of bodies that are estimated in a frame, those with the most pixels.',
+        lowest=1,
+        highest=1000,
+        change=Change.ANY_TIME,
+        details='It bounds the time of a frame, whatever a mask shows. The log and /diagnostics '
+        'say how many bodies were too many.',
+    )
 
 
 @dataclass(frozen=True)

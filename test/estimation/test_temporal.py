@@ -41,8 +41,8 @@ class Script:
     def __init__(self, answers):
         self.answers = iter(answers)
 
-    def estimate(self, _depth, _labels, _camera, _observer):
-        return next(self.answers)
+    def estimate_largest(self, _depth, _labels, _camera, _observer):
+        return next(self.answers), 0
 
 
 @pytest.fixture
@@ -76,6 +76,17 @@ def assert_same(found, expected):
     for one, other in zip(found, expected, strict=True):
         for name in Skeletons._fields:
             np.testing.assert_array_equal(getattr(one, name), getattr(other, name), name)
+
+
+def test_bodies_beyond_the_maximum_are_counted(answers):
+    class Crowd(Script):
+        def estimate_largest(self, *images):
+            return super().estimate_largest(*images)[0], 5
+
+    temporal_estimator = TemporalEstimator(Crowd(answers), EVERYBODY)
+    assert temporal_estimator.beyond_maximum == 0
+    run(temporal_estimator, 3)
+    assert temporal_estimator.beyond_maximum == 15
 
 
 def test_nothing_is_done_unasked(answers):

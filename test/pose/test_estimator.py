@@ -20,7 +20,7 @@ import pytest
 
 from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.pose.estimator import Estimator, bodies_in
+from lsc_pose_ros.pose.estimator import Estimator, bodies_in, largest_bodies
 from lsc_pose_ros.pose.stages import FEWEST_POINTS
 
 
@@ -68,6 +68,29 @@ def test_bodies_are_estimated_each_by_itself_in_the_order_of_their_numbers(estim
     other = np.concatenate([np.zeros_like(near.depth), far.depth], axis=1)
     alone = estimator.estimate(other, np.where(labels == 2, 2, NO_BODY), near.camera)
     np.testing.assert_array_equal(together.positions[0], alone.positions[0])
+
+
+def test_only_the_largest_bodies_are_estimated_and_the_others_are_counted(estimator, people):
+    frame = people[20]
+    labels = np.where(frame.labels >= 0, 7, NO_BODY).astype(np.int32)
+    labels[:2, ::4], labels[:2, 1::4] = np.arange(40) + 100, 3
+    limited = Estimator(estimator.model, maximum_bodies=2)
+    found, beyond = limited.estimate_largest(frame.depth, labels, frame.camera)
+    assert found.bodies.tolist() == [3, 7]
+    assert beyond == 40
+    every = estimator.estimate(frame.depth, labels, frame.camera)
+    assert len(every.bodies) == 42
+    np.testing.assert_array_equal(found.positions[1], every.positions[every.bodies == 7][0])
+
+
+@pytest.mark.parametrize('most', [None, 1, 3, 50])
+def test_largest_bodies_are_those_with_the_most_pixels(most):
+    labels = np.random.default_rng(1).integers(-1, 9, (12, 12)).astype(np.int32)
+    sizes = {number: int((labels == number).sum()) for number in range(9)}
+    ordered = sorted(sizes, key=lambda number: (-sizes[number], number))[:most]
+    bodies, beyond = largest_bodies(labels, most)
+    assert bodies.tolist() == sorted(ordered)
+    assert beyond == 9 - len(ordered)
 
 
 def test_pixels_behind_the_body_do_not_matter(estimator, people):

@@ -170,6 +170,8 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
             frames += 1
             bodies += len(skeletons.bodies)
         _warn(reader.warnings)
+        if temporal_estimator.beyond_maximum:
+            _warn([_too_many(temporal_estimator.beyond_maximum, arguments.maximum_bodies)])
         if not bodies:
             text = _nobody(arguments, reader, frames)
             if not _can_be_empty(arguments, reader):
@@ -184,6 +186,13 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
 def _can_be_empty(arguments: argparse.Namespace, reader: FrameReader) -> bool:
     """Return whether a recording that shows nobody is no sign of a wrong option."""
     return not reader.topics.mask and arguments.segmentation in (AUTO, PEOPLE)
+
+
+def _too_many(beyond: int, most: int) -> str:
+    return (
+        f'{beyond} bodies are not estimated, because their frames show more than {most}, and '
+        'larger ones; --maximum-bodies allows more'
+    )
 
 
 def _nobody(arguments: argparse.Namespace, reader: FrameReader, frames: int) -> str:

@@ -84,6 +84,7 @@ class Pipeline:
         if parameters.roll is None:
             self._transform_listener = TransformListener(node, self._maker.roll_finder)
         self._warned: set[str] = set()
+        self._beyond = 0
         self._was_ready = True
         self._log_learning()
         # A bound method would be a reference cycle, which keeps the model after `close`.
@@ -103,7 +104,7 @@ class Pipeline:
         before, self._parameters = self._parameters, parameters
         self._outputs.parameters = parameters
         self._temporal_estimator.settings = parameters
-        if parameters.query_points != before.query_points:
+        if _estimation(parameters) != _estimation(before):
             self._temporal_estimator.estimator = self._resources.estimator(parameters)
         if parameters.sync_slop != before.sync_slop:
             self.inputs.set_sync_slop(parameters.sync_slop)
@@ -147,8 +148,21 @@ class Pipeline:
         with stage('publish'):
             self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
         self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
-        left_out = self._temporal_estimator.left_out
-        self._diagnostics.notes['bodies left out'] = str(left_out)
+        self._count_bodies()
+
+    def _count_bodies(self) -> None:
+        """Say on /diagnostics how many bodies are not published; log when there are too many."""
+        estimator, notes = self._temporal_estimator, self._diagnostics.notes
+        notes['bodies left out'] = str(estimator.left_out)
+        notes['bodies beyond maximum'] = str(estimator.beyond_maximum)
+        beyond, self._beyond = estimator.beyond_maximum - self._beyond, estimator.beyond_maximum
+        if beyond:
+            most = estimator.estimator.maximum_bodies
+            self._log.warning(
+                'maximum_bodies',
+                f'a frame shows {beyond} bodies more than the {most} of the parameter '
+                'maximum_bodies; the smallest ones are not estimated',
+            )
 
     def _log_frames(self) -> None:
         """Log how frames are made, when that changes, and what is suspicious."""
@@ -190,6 +204,11 @@ class Pipeline:
     def _log_warnings(self) -> None:
         inputs = self.inputs
         self._monitor.check(inputs.needed_topics, inputs.publishers(), inputs.delivery())
+
+
+def _estimation(parameters: NodeSettings) -> tuple[int, int]:
+    """Return the parameters of which the estimator is made and that can change at any time."""
+    return parameters.query_points, parameters.maximum_bodies
 
 
 def _counters(inputs: Inputs, worker: Worker[FrameMessages]) -> Counters:

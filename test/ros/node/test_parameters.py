@@ -149,12 +149,14 @@ BAD_AT_ANY_TIME = [
     ('smoothing_beta', -1.0, 'smoothing_beta out of range'),
     ('query_points', 9, 'parameter query_points: 9 cannot be used; it must be 0 or from 10 to'),
     ('query_points', -1, 'query_points out of range'),
+    ('maximum_bodies', 0, 'maximum_bodies out of range'),
     ('autostart', False, 'read-only'),
     ('no_such_parameter', 1, 'undeclared'),
 ]
 
 GOOD_AT_ANY_TIME = {
     'query_points': 50,
+    'maximum_bodies': 3,
     'sync_slop': 0.02,
     'smoothing': True,
     'smoothing_cutoff': 2.0,
