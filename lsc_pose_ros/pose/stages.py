@@ -23,7 +23,7 @@
     votes        votes for joints and for pairs of joints (eq. 11-13)
     modes        modes of the joints' densities (eq. 14)
     graph        the best combination of modes, and the ascent from there (eq. 15-17)
-    confidence   the confidence in each joint
+    confidence   the confidence in each joint; joints beyond a person's reach have no position
 
 The estimator runs this list, training runs its beginning, the benchmark times each stage of it,
 and `viz/stages` draws its results.
@@ -51,6 +51,7 @@ from lsc_pose_ros.pose.inference.confidence import confidence_in
 from lsc_pose_ros.pose.inference.pictorial_structure import Structure, ascend, best_candidates
 from lsc_pose_ros.pose.inference.truncation import find_cuts, truncation_factor
 from lsc_pose_ros.pose.model import Model
+from lsc_pose_ros.pose.reach import within_reach
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.body_window import body_window
 from lsc_pose_ros.pose.silhouette.silhouette import choose_uniformly, find_silhouette
@@ -244,3 +245,6 @@ def _rate_joints(model: Model, body: BodyEstimate) -> None:
     bandwidth = float(model.settings.joint_bandwidth)
     body.confidence = confidence_in(model.calibration, body.joint_votes, body.joints, bandwidth)
     body.confidence *= truncation_factor(body.joints, body.cuts, model.joints)
+    lost = ~within_reach(body.joints, body.silhouette.points)
+    body.joints = np.where(lost[:, None], np.float32(np.nan), body.joints)
+    body.confidence = np.where(lost, np.float32(0), body.confidence)
