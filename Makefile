@@ -41,12 +41,13 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo model body-parts benchmarks benchmarks-live clean
+.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts model body-parts benchmarks benchmarks-live clean
 
 help:
 	@echo 'make demo             start the live node and check its skeletons; train another model'
 	@echo 'make test             linters, types, import contracts, tests on the oldest and newest numpy'
 	@echo 'make install          only the environment $(VENV), with ROS wheels unless Jazzy is sourced'
+	@echo 'make interrupts       send Ctrl-C to each command at random moments, SIGNALS=300 in all'
 	@echo 'make settings         write pose_node.yaml and docs/parameters.md from settings/table.py'
 	@echo 'make model            train and measure the model of the package, in one or two hours;'
 	@echo '                      MOCAP=DIR for motion capture, NAME=front for the other model'
@@ -91,6 +92,9 @@ endif
 
 demo: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.demo --directory demo
+
+interrupts: $(VENV)/installed
+	$(BIN)/python test/cli/ctrl_c.py --signals $(or $(SIGNALS),300)
 
 settings: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.settings

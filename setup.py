@@ -62,7 +62,7 @@ EXTRAS = {
 }
 
 PROGRAMS = {
-    'lsc_pose': 'lsc_pose_ros.cli.main:main',
+    'lsc_pose': 'lsc_pose_ros.cli.program:main',
     'pose_node': 'lsc_pose_ros.ros.node.main:main',
 }
 

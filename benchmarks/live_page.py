@@ -22,7 +22,8 @@ from pathlib import Path
 from typing import Any
 
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.viz.drawing.canvas import write_beside
+from lsc_pose_ros.files.kinds import TEXT
+from lsc_pose_ros.files.output_file import write_output
 
 _PATTERN = re.compile(r'(<!-- live -->\n).*(<!-- live end -->)', re.DOTALL)
 
@@ -44,7 +45,7 @@ def write_live_table(results: dict[str, Any], path: Path) -> None:
         raise InputError(msg)
     text = f'{_machine(results)}\n\n{live_table(results["runs"])}'
     page = _PATTERN.sub(lambda found: f'{found[1]}\n{text}\n\n{found[2]}', page)
-    write_beside(path, page.encode())
+    write_output(path, TEXT, page.encode())
 
 
 def live_table(runs: Sequence[dict[str, Any]]) -> str:

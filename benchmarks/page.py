@@ -27,8 +27,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from lsc_pose_ros.evaluation.benchmark import DECODE, WHOLE
+from lsc_pose_ros.files.kinds import TEXT
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.pose.stages import STAGE_NAMES
-from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure, save_png, write_beside
+from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure, save_png
 from lsc_pose_ros.viz.drawing.legend import add_legend_entries
 
 _STAGES = (DECODE, *STAGE_NAMES)
@@ -140,7 +142,7 @@ def write_tables(results: dict[str, Any], path: Path) -> None:
     page = re.sub(
         pattern, lambda found: f'{found[1]}\n{tables}\n\n{found[2]}', page, flags=re.DOTALL
     )
-    write_beside(path, page.encode())
+    write_output(path, TEXT, page.encode())
 
 
 def _machine(results: dict[str, Any]) -> str:

@@ -17,7 +17,7 @@
 
 import sys
 
-from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.cli.program import main
 
 if __name__ == '__main__':
     sys.exit(main())

@@ -40,6 +40,7 @@ from lsc_pose_ros.bags import RecordingWriter, SerializedMessage, open_recording
 from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import read_skeletons
 from lsc_pose_ros.cli import main as command_line
+from lsc_pose_ros.cli.program import INTERRUPTED
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import joint_errors
@@ -150,7 +151,7 @@ def main(words: Sequence[str] | None = None) -> int:
         sys.stderr.write(f'demo: error: {error}\n')
         return command_line.BAD_INPUT
     except KeyboardInterrupt:
-        return command_line.INTERRUPTED
+        return INTERRUPTED
     _say(summary(room, result, accuracies, files, time.monotonic() - begin))
     return 0 if result.passed else 1
 

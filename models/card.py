@@ -32,9 +32,10 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.evaluation.confidence_reliability import measure_reliability
 from lsc_pose_ros.evaluation.evaluate import Evaluation, evaluate, select, summarise
 from lsc_pose_ros.evaluation.offsets import apply_offsets, fit_offsets
+from lsc_pose_ros.files.kinds import TEXT
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.training.samples import select_joints
-from lsc_pose_ros.viz.drawing.canvas import write_beside
 
 TOLERANCE = 0.1
 
@@ -230,7 +231,7 @@ def write_card(results: dict[str, Any], name: str, page: Path) -> None:
     text = re.sub(
         pattern, lambda found: f'{found[1]}\n{tables}\n\n{found[2]}', text, flags=re.DOTALL
     )
-    write_beside(page, text.encode())
+    write_output(page, TEXT, text.encode())
 
 
 _COLUMNS = {

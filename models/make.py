@@ -28,7 +28,6 @@ import argparse
 import datetime as dt
 import hashlib
 import json
-import shutil
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -55,9 +54,11 @@ from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.cli import main as command_line
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
 from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.cli.program import INTERRUPTED
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.model_io.model_file import MODEL, load_model
 from lsc_pose_ros.pose.estimator import Estimator
 
 HERE = Path(__file__).resolve().parent
@@ -99,7 +100,7 @@ def main(words: Sequence[str] | None = None) -> int:
         sys.stderr.write(f'make: error: {error}\n')
         return command_line.BAD_INPUT
     except KeyboardInterrupt:
-        return command_line.INTERRUPTED
+        return INTERRUPTED
     return 0
 
 
@@ -226,10 +227,7 @@ def publish(arguments: argparse.Namespace, files: ModelFiles, results: dict[str,
         )
         raise InputError(msg)
     target = arguments.target / f'{arguments.name}.npz'
-    installed = target.resolve()  # the target can be a link to the resources of the package
-    temporary = installed.with_suffix('.part')
-    shutil.copyfile(files.model, temporary)
-    temporary.replace(installed)
+    write_output(target, MODEL, files.model.read_bytes())
     metadata: dict[str, Any] = {
         'model': target.name,
         'date': dt.datetime.now(dt.timezone.utc).date().isoformat(),

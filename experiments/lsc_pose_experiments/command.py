@@ -21,7 +21,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
-from lsc_pose_experiments.page import Page
+from lsc_pose_experiments.page import PAGE_NAME, Page
 from lsc_pose_experiments.paper import (
     EXPERIMENTS,
     ExperimentDefaults,
@@ -39,6 +39,8 @@ from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_o
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import HTML, JSON
+from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.training.train import GIBIBYTE
 from lsc_pose_ros.viz.drawing.canvas import make_directory
 
@@ -138,6 +140,7 @@ def run(arguments: argparse.Namespace) -> int:
     folds_of(selection)
     readers = _open(arguments)
     experiments = {name: make(defaults) for name, make in EXPERIMENTS.items()}
+    _check_outputs(arguments)
     make_directory(arguments.output)
 
     def read(path: Path) -> Iterator[Frame]:
@@ -159,6 +162,14 @@ def run(arguments: argparse.Namespace) -> int:
         write_json(arguments.json, _results(page))
     print(arguments.output / 'index.html')
     return 0
+
+
+def _check_outputs(arguments: argparse.Namespace) -> None:
+    page = arguments.output / PAGE_NAME
+    outputs = [Output(page, HTML)] if arguments.output.exists() else []
+    if arguments.json:
+        outputs.append(Output(arguments.json, JSON))
+    check_outputs(outputs, [*arguments.recordings, *arguments.test])
 
 
 def _defaults(arguments: argparse.Namespace) -> ExperimentDefaults:

@@ -24,7 +24,9 @@ from lsc_pose_experiments.drawing import draw_experiment
 from lsc_pose_experiments.experiment import Experiment, Row, TrialResults, rows_of
 from lsc_pose_experiments.page import PAGE_NAME, Page, Section, write_page
 from lsc_pose_experiments.running import TrialContext, result_of
-from lsc_pose_ros.viz.drawing.canvas import save_png, write_beside
+from lsc_pose_ros.files.kinds import HTML, TEXT
+from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.viz.drawing.canvas import save_png
 
 
 class Publisher:
@@ -63,13 +65,13 @@ class Publisher:
                     self._done[experiment.name] = self._write(experiment, results)
         nothing = {e.name: Section(e, [], []) for e in self._experiments}
         page = self._page._replace(sections=list((nothing | self._done).values()))
-        write_beside(self._folder / PAGE_NAME, write_page(page).encode())
+        write_output(self._folder / PAGE_NAME, HTML, write_page(page).encode())
         return page
 
     def _write(self, experiment: Experiment, results: TrialResults) -> Section:
         rows = rows_of(experiment, results)
         path = self._csv(experiment)
-        write_beside(path, csv_of(rows).encode())
+        write_output(path, TEXT, csv_of(rows).encode())
         figure = draw_experiment(experiment, rows)
         save_png(figure, path.with_suffix('.png'))
         return Section(experiment, rows, [claim.judge(results) for claim in experiment.claims])

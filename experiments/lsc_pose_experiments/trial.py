@@ -32,11 +32,13 @@ from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation import evaluate
 from lsc_pose_ros.evaluation.evaluate import Evaluation, summarise
+from lsc_pose_ros.files.kinds import JSON
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.numerics.source_hash import source_hash
 from lsc_pose_ros.training import train
 from lsc_pose_ros.training.body_parts import part_samples, part_training
 from lsc_pose_ros.training.train import TrainingSettings
-from lsc_pose_ros.viz.drawing.canvas import make_directory, write_beside
+from lsc_pose_ros.viz.drawing.canvas import make_directory
 
 # To be incremented if the contents of a result, or the sampling of frames, change.
 _FORMAT = 2
@@ -194,7 +196,7 @@ class ResultStore:
             'sizes': _to_text(result.sizes),
             'key': key,
         }
-        write_beside(path, (json.dumps(table, indent=1) + '\n').encode())
+        write_output(path, JSON, (json.dumps(table, indent=1) + '\n').encode())
         self._known[path] = result
 
     def _path(self, key: dict[str, object]) -> Path:

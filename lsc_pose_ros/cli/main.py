@@ -22,18 +22,20 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
+from contextlib import nullcontext, redirect_stdout
 from typing import NamedTuple, Protocol, cast
 
 from lsc_pose_ros import __version__
 from lsc_pose_ros.cli.options.camera_preset import use_camera_preset
+from lsc_pose_ros.cli.program import INTERRUPTED, let_interrupt
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.output_file import STANDARD_OUTPUT
 
 PROGRAM = 'lsc_pose'
 DEBUG_VARIABLE = 'LSC_POSE_DEBUG'
 
 FAILURE = 1
 BAD_INPUT = 2
-INTERRUPTED = 130  # 128 + SIGINT, as shells report it
 PIPE_CLOSED = 141  # 128 + SIGPIPE
 
 _DESCRIPTION = 'Human joints in 3-D from depth images: record, train, evaluate, replay.'
@@ -109,19 +111,13 @@ def main(words: Sequence[str] | None = None) -> int:
     try:
         status = _run(list(sys.argv[1:] if words is None else words))
         sys.stdout.flush()
-    except InputError as error:
-        _complain(str(error))
-        return BAD_INPUT
     except KeyboardInterrupt:
-        return INTERRUPTED
+        return _report_interrupt()
     except BrokenPipeError:
         _silence_stdout()
         return PIPE_CLOSED
     except Exception as error:  # noqa: BLE001 - the last resort: a line instead of a traceback
-        if os.environ.get(DEBUG_VARIABLE):
-            traceback.print_exc()
-        _complain(f'{type(error).__name__}: {error}')
-        return FAILURE
+        return _report(error)
     return status
 
 
@@ -142,7 +138,10 @@ def _run(words: list[str]) -> int:
     arguments = parser.parse_args(words)
     if module is None:  # parse_args has refused all other words already
         parser.error('name a command')
-    return module.run(arguments)
+    let_interrupt()
+    # What a command prints must not be mixed with an output that goes to standard output.
+    with redirect_stdout(sys.stderr) if STANDARD_OUTPUT in words else nullcontext():
+        return module.run(arguments)
 
 
 def _help_line(command: Command) -> str:
@@ -173,6 +172,34 @@ def load(command: Command) -> CommandModule:
 
 def _package_of(command: Command) -> str:
     return command.module.partition('.')[0]
+
+
+def _report(error: Exception) -> int:
+    """Print one line about `error`; return the exit status."""
+    if _is_of_an_interrupt(error):
+        return _report_interrupt()
+    if isinstance(error, InputError):
+        _complain(str(error))
+        return BAD_INPUT
+    if os.environ.get(DEBUG_VARIABLE):
+        traceback.print_exception(error)
+    _complain(f'{type(error).__name__}: {error}')
+    return FAILURE
+
+
+def _report_interrupt() -> int:
+    print(f'{PROGRAM}: interrupted', file=sys.stderr)
+    return INTERRUPTED
+
+
+def _is_of_an_interrupt(error: BaseException) -> bool:
+    """Return whether `error` follows from a KeyboardInterrupt, which C code can turn into one."""
+    found: BaseException | None = error
+    while found is not None:
+        if isinstance(found, KeyboardInterrupt):
+            return True
+        found = found.__cause__ or found.__context__
+    return False
 
 
 def _complain(message: str) -> None:

@@ -29,14 +29,18 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import archive
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.model_io.forest_packing import ARRAYS as FOREST_ARRAYS
 from lsc_pose_ros.model_io.forest_packing import Form, pack_forest, unpack_forest
 from lsc_pose_ros.model_io.model_check import check_model
-from lsc_pose_ros.model_io.model_header import Header, decode_header, encode_header
+from lsc_pose_ros.model_io.model_header import FORMAT, Header, decode_header, encode_header
 from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.pose.inference.confidence import uncalibrated
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
+
+MODEL = archive('a model', 'header.npy', FORMAT.encode())
 
 # The largest models are some tens of megabytes; more than this is a zip bomb.
 LARGEST_ARRAY = 1 << 30
@@ -52,33 +56,23 @@ _CALIBRATION = 'calibration'
 _CALIBRATION_FORM: Form = (np.float32, 2)
 
 
-def save_model(path: str | os.PathLike[str], model: Model) -> None:
-    """Write `model` to `path`.
+def save_model(path: str | os.PathLike[str], model: Model) -> int:
+    """Write `model` to `path`; return the size of the file, bytes.
 
-    The file is written under another name and then renamed, so an interrupted write leaves an
-    older file at `path` as it was.
+    An interrupted write leaves an older model there as it was.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file cannot be written, or another kind of file is there.
     """
-    target = Path(path)
-    partial = target.with_name(f'.{target.name}.{os.getpid()}.part')
     arrays: dict[str, Any] = {
+        'header': encode_header(model),
         'joints': model.joints,
         'edges': model.edges,
         'limb_lengths': model.limb_lengths,
         **({_CALIBRATION: model.calibration} if len(model.calibration) else {}),
         **pack_forest(model.forest),
     }
-    try:
-        with partial.open('wb') as file:
-            np.savez_compressed(file, header=encode_header(model), **arrays)
-        partial.replace(target)
-    except OSError as error:
-        msg = f'cannot write the model {target}: {error.strerror or error}'
-        raise InputError(msg) from error
-    finally:
-        partial.unlink(missing_ok=True)
+    return write_output(Path(path), MODEL, lambda file: np.savez_compressed(file, **arrays))
 
 
 def load_model(model: str | os.PathLike[str]) -> Model:

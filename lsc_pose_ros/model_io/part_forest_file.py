@@ -28,6 +28,8 @@ from lsc_pose_ros.body_parts.context import PLANES, PartForests
 from lsc_pose_ros.body_parts.part_forest import BEYOND, CLASSES, PartForest
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import archive
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.model_io.forest_packing import Form
 from lsc_pose_ros.model_io.model_file import check_sizes, read_array
 from lsc_pose_ros.model_io.unusable_model import UnusableModelError
@@ -35,6 +37,8 @@ from lsc_pose_ros.resources.package_files import resource
 
 FORMAT = 'lsc_pose_ros body parts'
 VERSION = 2
+
+PART_FORESTS = archive('a forest of body parts', 'header.npy', FORMAT.encode())
 
 MOST_TREES = 16
 """A forest with more trees would take too long."""
@@ -66,34 +70,22 @@ class PartForestFile(NamedTuple):
 def save_part_forests(
     path: str | os.PathLike[str], forests: PartForests, provenance: dict[str, str]
 ) -> None:
-    """Write forests to `path`: beside it first, so that an older file is never half replaced.
+    """Write forests to `path`.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file cannot be written, or another kind of file is there.
     """
-    target = Path(path)
-    partial = target.with_name(f'.{target.name}.{os.getpid()}.part')
     header = {
         'format': FORMAT,
         'version': VERSION,
         'classes': ['no person', *JOINT_NAMES],
         'provenance': provenance,
     }
-    arrays: dict[str, Any] = {
-        f'{which}_{name}': np.asarray(value, _ARRAYS[name][0])
-        for which, forest in forests._asdict().items()
-        for name, value in forest._asdict().items()
-    }
-    try:
-        with partial.open('wb') as file:
-            text = np.frombuffer(json.dumps(header).encode(), np.uint8)
-            np.savez_compressed(file, header=text, **arrays)
-        partial.replace(target)
-    except OSError as error:
-        msg = f'cannot write the body-part forest {target}: {error.strerror or error}'
-        raise InputError(msg) from error
-    finally:
-        partial.unlink(missing_ok=True)
+    arrays: dict[str, Any] = {'header': np.frombuffer(json.dumps(header).encode(), np.uint8)}
+    for which, forest in forests._asdict().items():
+        for name, value in forest._asdict().items():
+            arrays[f'{which}_{name}'] = np.asarray(value, _ARRAYS[name][0])
+    write_output(Path(path), PART_FORESTS, lambda file: np.savez_compressed(file, **arrays))
 
 
 def load_part_forests(path: str | os.PathLike[str] | None = None) -> PartForestFile:

@@ -190,12 +190,22 @@ def test_debug_variable_shows_the_traceback(
     assert lines[-1] == 'lsc_pose: error: ValueError: odd shape'
 
 
-def test_interrupt_ends_with_130_and_without_output(
+def test_interrupt_ends_with_130_and_one_line(
     command: Callable[[Callable[[], int]], None], capsys: pytest.CaptureFixture[str]
 ) -> None:
     command(fail_with(KeyboardInterrupt()))
     assert cli.main(['fake']) == 130
-    assert capsys.readouterr() == ('', '')
+    assert capsys.readouterr() == ('', 'lsc_pose: interrupted\n')
+
+
+def test_error_that_follows_from_an_interrupt_is_one(
+    command: Callable[[Callable[[], int]], None], capsys: pytest.CaptureFixture[str]
+) -> None:
+    error = SystemError('returned a result with an exception set')
+    error.__cause__ = KeyboardInterrupt()
+    command(fail_with(error))
+    assert cli.main(['fake']) == 130
+    assert capsys.readouterr() == ('', 'lsc_pose: interrupted\n')
 
 
 def test_closed_pipe_is_no_error() -> None:

@@ -329,7 +329,7 @@ def test_recording_cannot_be_written_over_itself(
 ) -> None:
     before = recording.read_bytes()
     text = complain(capsys, recording, '-o', recording, '--model', small_model_file)
-    assert 'is the recording itself' in text
+    assert 'is the input' in text
     assert recording.read_bytes() == before
 
 

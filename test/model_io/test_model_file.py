@@ -16,6 +16,7 @@
 """Model files: what is written and read back."""
 
 import json
+import resource
 import zipfile
 
 import numpy as np
@@ -29,6 +30,7 @@ from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.forest.body_yaw import with_body_yaw
 from lsc_pose_ros.pose.forest.forest import find_leaves
 from lsc_pose_ros.pose.inference.confidence import uncalibrated, vote_fractions
+from lsc_pose_ros.resources.package_files import resource as package_file
 from lsc_pose_ros.training.samples import labelled_people
 
 # The offsets of joints are rounded to 0.02 rho_bar; half of that in metres, with rho_bar at 0.5 m.
@@ -165,18 +167,30 @@ def test_seed_of_the_offsets_may_be_large(small_model, small_model_file, tmp_pat
     assert load_model(path).settings.offset_seed == 2**64
 
 
-def test_interrupted_write_leaves_only_the_old_file(small_model, tmp_path, monkeypatch):
+def test_full_disk_leaves_only_the_old_model(small_model, small_model_file, tmp_path):
+    """A limit on the size of files stands for a full disk."""
     path = tmp_path / 'model.npz'
-    path.write_bytes(b'old')
-
-    def fail(*_arguments, **_named):
-        raise OSError(28, 'No space left on device')
-
-    monkeypatch.setattr(np, 'savez_compressed', fail)
-    with pytest.raises(InputError, match=r'cannot write the model .*No space left'):
-        save_model(path, small_model)
-    assert path.read_bytes() == b'old'
+    path.write_bytes(small_model_file.read_bytes())
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(InputError, match=r'model\.npz: cannot be written: File too large'):
+            save_model(path, small_model)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert path.read_bytes() == small_model_file.read_bytes()
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_only_a_model_is_replaced(small_model, small_model_file, tmp_path):
+    path = tmp_path / 'model.npz'
+    for other in (b'\x89MCAP0\r\n', package_file('body_parts', 'body_parts.npz').read_bytes()):
+        path.write_bytes(other)
+        with pytest.raises(InputError, match='exists and is not a model'):
+            save_model(path, small_model)
+        assert path.read_bytes() == other
+    path.write_bytes(small_model_file.read_bytes())
+    assert save_model(path, small_model) == path.stat().st_size
 
 
 def test_model_describes_itself(small_model):

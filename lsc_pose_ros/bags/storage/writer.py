@@ -15,12 +15,9 @@
 
 """Writes recordings that rosbag2 can play: an MCAP file, alone or in a bag folder."""
 
-import os
-import shutil
-from contextlib import suppress
+from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO
 
 from mcap.writer import CompressionType, Writer
 
@@ -32,8 +29,7 @@ from lsc_pose_ros.bags.serialization.serialize import (
     skeletons_message,
 )
 from lsc_pose_ros.bags.serialization.type_store import type_definition, type_hash
-from lsc_pose_ros.bags.storage.damage import reason
-from lsc_pose_ros.bags.storage.layout import METADATA_NAME
+from lsc_pose_ros.bags.storage.layout import MCAP_MAGIC, METADATA_NAME
 from lsc_pose_ros.bags.storage.metadata import (
     RecordingContents,
     WrittenTopic,
@@ -45,8 +41,19 @@ from lsc_pose_ros.bags.topics import DEFAULT_TOPICS, Topics
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import TEXT, begins_with
+from lsc_pose_ros.files.output_file import (
+    OutputFile,
+    OutputFolder,
+    check_output,
+    is_written_through,
+    write_output,
+    writing,
+)
 from lsc_pose_ros.messages.markers import MarkerShape
 from lsc_pose_ros.messages.type_names import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
+
+RECORDING = begins_with('a recording of the format MCAP', MCAP_MAGIC)
 
 _SUFFIX = '.mcap'
 _CHUNK_SIZE = 1 << 20
@@ -57,30 +64,32 @@ class RecordingWriter:
     """Writes a recording; a context manager.
 
     The recording is written under a temporary name, and renamed at the end or removed after an
-    error. Equal messages give equal files.
+    error; what a process that is killed has written can be read under that name. Equal messages
+    give equal files.
     """
 
     def __init__(self, path: Path | str) -> None:
         """Check the path; nothing is written before the context is entered.
 
         Args:
-            path: with the suffix .mcap one file, which is replaced if it exists; without a
-                suffix a bag folder, which must not exist.
+            path: with the suffix .mcap one file, which is replaced if it is a recording; without
+                a suffix a bag folder, which must not exist; a device or a pipe; or '-', standard
+                output.
 
         Raises:
             InputError: the path is neither, or there is something in the way.
         """
         self._path = Path(path)
-        self._folder = not self._path.suffix
+        self._folder = not self._path.suffix and not is_written_through(self._path)
         self._check_path()
-        self._partial = self._path.with_name(f'.{self._path.name}.{os.getpid()}.partial')
         self._file_name = f'{self._path.name}_0{_SUFFIX}' if self._folder else self._path.name
+        self._bag: Path | None = None
+        self._opened = ExitStack()
         self._channels: dict[str, _Channel] = {}
         self._schemas: dict[str, int] = {}
         self._start: int | None = None
         self._shift = 0
         self._end: int | None = None
-        self._stream: BinaryIO | None = None
         self._mcap: Writer | None = None
 
     @property
@@ -94,19 +103,21 @@ class RecordingWriter:
         Raises:
             InputError: the path cannot be written to.
         """
-        try:
+        with ExitStack() as stack:
+            path = self._path
             if self._folder:
-                self._partial.mkdir()
-            self._stream = self._data_path.open('wb')
-        except OSError as error:
-            raise self._unwritable(error) from error
-        self._mcap = Writer(
-            self._stream,
-            chunk_size=_CHUNK_SIZE,
-            compression=CompressionType.ZSTD,
-            enable_data_crcs=True,
-        )
-        self._mcap.start(profile='ros2', library=_LIBRARY)
+                self._bag = stack.enter_context(OutputFolder(path))
+                path = self._bag / self._file_name
+            stream = stack.enter_context(OutputFile(path, RECORDING))
+            self._mcap = Writer(
+                stream,
+                chunk_size=_CHUNK_SIZE,
+                compression=CompressionType.ZSTD,
+                enable_data_crcs=True,
+            )
+            with writing(path):
+                self._mcap.start(profile='ros2', library=_LIBRARY)
+            self._opened = stack.pop_all()
         return self
 
     def __exit__(
@@ -120,13 +131,11 @@ class RecordingWriter:
         Raises:
             InputError: it cannot be finished, for example because the disk is full.
         """
-        try:
-            if error is None:
-                self._finish()
-        except OSError as failure:
-            raise self._unwritable(failure) from failure
-        finally:
-            self._remove_partial()
+        if error is not None:
+            self._opened.__exit__(error_type, error, traceback)
+            return
+        with self._opened, writing(self._path):
+            self._finish()
 
     def write(self, topic: str, type_name: str, stamp_ns: int, data: bytes) -> None:
         """Write one serialized message.
@@ -147,11 +156,9 @@ class RecordingWriter:
         if self._start is None:
             self._shift = max(0, -stamp_ns)
         stamp_ns = max(0, stamp_ns + self._shift)
-        try:
+        with writing(self._path):
             channel = self._channels.get(topic) or self._add_channel(self._mcap, topic, type_name)
             self._mcap.add_message(channel.number, stamp_ns, data, stamp_ns)
-        except OSError as error:
-            raise self._unwritable(error) from error
         channel.count += 1
         self._start = stamp_ns if self._start is None else min(self._start, stamp_ns)
         self._end = stamp_ns if self._end is None else max(self._end, stamp_ns)
@@ -206,10 +213,6 @@ class RecordingWriter:
         """
         self.write(topic, MARKER_ARRAY, stamp, markers_message(stamp, frame_id, markers))
 
-    @property
-    def _data_path(self) -> Path:
-        return self._partial / self._file_name if self._folder else self._partial
-
     def _add_channel(self, mcap: Writer, topic: str, type_name: str) -> '_Channel':
         if type_name not in self._schemas:
             text = type_definition(type_name).encode()
@@ -223,17 +226,13 @@ class RecordingWriter:
         return channel
 
     def _finish(self) -> None:
-        if self._mcap is None or self._stream is None:
+        if self._mcap is None:
             return
         written = self._written()
         self._mcap.add_metadata('rosbag2', {'serialized_metadata': metadata_text(written)})
         self._mcap.finish()  # type: ignore[no-untyped-call]
-        self._stream.flush()
-        os.fsync(self._stream.fileno())
-        self._stream.close()
-        if self._folder:
-            (self._partial / METADATA_NAME).write_text(metadata_yaml(written), 'utf-8')
-        self._partial.replace(self._path)
+        if self._bag is not None:
+            write_output(self._bag / METADATA_NAME, TEXT, metadata_yaml(written).encode())
 
     def _written(self) -> RecordingContents:
         topics = [
@@ -244,35 +243,17 @@ class RecordingWriter:
         name = self._file_name if self._folder else f'recording{_SUFFIX}'
         return RecordingContents(name, topics, self._start, self._end)
 
-    def _remove_partial(self) -> None:
-        if self._stream is not None:
-            # Closing flushes, which fails again if the disk is full.
-            with suppress(OSError):
-                self._stream.close()
-        if self._folder:
-            shutil.rmtree(self._partial, ignore_errors=True)
-        else:
-            self._partial.unlink(missing_ok=True)
-
     def _check_path(self) -> None:
-        if not self._folder and self._path.suffix != _SUFFIX:
+        if self._folder:
+            OutputFolder(self._path)
+            return
+        if self._path.suffix != _SUFFIX and not is_written_through(self._path):
             msg = (
                 f'{self._path}: a recording is written as a file .mcap or as a folder '
                 f'(a name without suffix), not as {self._path.suffix}'
             )
             raise InputError(msg)
-        if not self._path.parent.is_dir():
-            msg = f'{self._path}: the folder {self._path.parent} does not exist; create it first'
-            raise InputError(msg)
-        if self._folder and self._path.exists():
-            msg = f'{self._path} exists already; remove it or choose another name'
-            raise InputError(msg)
-        if not self._folder and self._path.is_dir():
-            msg = f'{self._path} is a folder; choose another name'
-            raise InputError(msg)
-
-    def _unwritable(self, error: OSError) -> InputError:
-        return InputError(f'{self._path}: cannot be written ({reason(error)})')
+        check_output(self._path, RECORDING)
 
 
 class _Channel:

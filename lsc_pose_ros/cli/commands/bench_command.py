@@ -32,6 +32,8 @@ from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.benchmark import time_frames, warm_up
 from lsc_pose_ros.evaluation.encoded_frame import EncodedFrame, encode_frame
+from lsc_pose_ros.files.kinds import JSON
+from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.model import Model
@@ -108,6 +110,9 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: the recording or the model cannot be used, or the frames show nobody.
     """
     _check(arguments)
+    if arguments.json:
+        inputs = [arguments.recording, arguments.model and find_model(arguments.model)]
+        check_outputs([Output(arguments.json, JSON)], filter(None, inputs))
     frames = _recorded(arguments) if arguments.recording else _synthetic(arguments)
     model, origin = _model(arguments)
     estimator = Estimator(model._replace(settings=_settings(model.settings, arguments)))

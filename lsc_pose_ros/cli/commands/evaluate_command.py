@@ -36,8 +36,11 @@ from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, select, summarise
 from lsc_pose_ros.evaluation.offsets import fit_offsets
+from lsc_pose_ros.files.kinds import HTML, JSON
+from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
+from lsc_pose_ros.viz.report import PAGE_NAME
 
 HELP = """Measure a model on labelled recordings: the model that the first word or --model names,
 or else the one that comes with the package."""
@@ -108,6 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: the model or a recording cannot be used, or nothing is labelled.
     """
     path, recordings = _model_and_recordings(arguments)
+    _check_outputs(arguments, [path, *recordings, *(arguments.offsets_from or [])])
     estimator = estimator_from(arguments, path)
     readers = open_recordings(arguments, recordings)
     others = open_recordings(arguments, arguments.offsets_from or [])
@@ -130,6 +134,13 @@ def run(arguments: argparse.Namespace) -> int:
         )
         print(page)
     return 0
+
+
+def _check_outputs(arguments: argparse.Namespace, inputs: list[Path]) -> None:
+    outputs = [Output(arguments.json, JSON)] if arguments.json else []
+    if arguments.report and arguments.report.exists():
+        outputs.append(Output(arguments.report / PAGE_NAME, HTML))
+    check_outputs(outputs, inputs)
 
 
 def _model_and_recordings(arguments: argparse.Namespace) -> tuple[Path, list[Path]]:

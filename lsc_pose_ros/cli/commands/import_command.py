@@ -19,6 +19,7 @@ import argparse
 from pathlib import Path
 
 from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.bags.storage.writer import RECORDING
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.datasets.utd_mhad import (
     LABEL_MARGIN,
@@ -27,6 +28,7 @@ from lsc_pose_ros.datasets.utd_mhad import (
     import_utd_mhad,
     select_sequences,
 )
+from lsc_pose_ros.files.output_check import Output, check_outputs
 
 HELP = 'convert a public data set into a labelled recording'
 
@@ -103,6 +105,8 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the data set or the output cannot be used.
     """
+    writer = RecordingWriter(arguments.output)
+    check_outputs([Output(arguments.output, RECORDING)], [arguments.directory])
     selection = Selection(
         subjects=arguments.subjects,
         actions=arguments.actions,
@@ -114,7 +118,7 @@ def run(arguments: argparse.Namespace) -> int:
     sequences = select_sequences(arguments.directory, selection)
     count = sum(len(sequence.frames) for sequence in sequences)
     frames = import_utd_mhad(sequences, label_filter=arguments.label_filter)
-    with RecordingWriter(arguments.output) as writer:
+    with writer:
         for frame in progress(frames, count, 'importing'):
             writer.write_frame(frame)
     print(f'{arguments.output}: {count} frames of {len(sequences)} sequences')

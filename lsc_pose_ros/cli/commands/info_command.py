@@ -26,6 +26,8 @@ from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.files.kinds import JSON
+from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
 from lsc_pose_ros.settings.table import BACKGROUND, PEOPLE, FrameSettings
 
@@ -63,6 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
     path = arguments.path
     if not path.exists() and str(path) in shipped_models():
         path = find_model(path)
+    if arguments.json is not None:
+        check_outputs([Output(arguments.json, JSON)], [path])
     contents = _describe_model(path) if _is_model(path) else _describe_recording(arguments)
     if arguments.json is not None:
         write_json(arguments.json, contents)

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, read_messages
 from lsc_pose_ros.bags.estimated_copy import write_estimated_copy
+from lsc_pose_ros.bags.storage.writer import RECORDING
 from lsc_pose_ros.cli.options.estimation_options import (
     add_estimation_options,
     temporal_estimator_from,
@@ -32,6 +33,8 @@ from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.resources.package_files import find_model
 from lsc_pose_ros.ros.requirements import load_with_ros
 from lsc_pose_ros.settings.setting import settings_of
 from lsc_pose_ros.settings.table import (
@@ -94,6 +97,9 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: the recording, the model or the output cannot be used, or ROS 2 is missing.
     """
     _refuse_useless_options(arguments)
+    if arguments.output:
+        inputs = [arguments.recording, arguments.model and find_model(arguments.model)]
+        check_outputs([Output(arguments.output, RECORDING)], filter(None, inputs))
     reader = open_frames(arguments.recording, arguments, need_mask=not arguments.publish)
     if arguments.publish:
         return _publish(arguments, reader)
@@ -158,12 +164,10 @@ def _renaming(word: str) -> tuple[str, str]:
 
 def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
     output: Path = arguments.output
-    if output.exists() and output.samefile(arguments.recording):
-        msg = f'{output} is the recording itself; choose another name with -o'
-        raise InputError(msg)
+    writer = RecordingWriter(output)
     temporal_estimator = temporal_estimator_from(arguments)
     frames = bodies = 0
-    with RecordingWriter(output) as writer:
+    with writer:
         drawing = settings_from(arguments, DrawingSettings)
         answers = write_estimated_copy(reader, temporal_estimator, writer, drawing)
         for skeletons in progress(answers, reader.count, 'estimating'):

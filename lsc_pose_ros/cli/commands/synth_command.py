@@ -20,8 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.bags.storage.writer import RECORDING
 from lsc_pose_ros.cli.options.image_size import image_size
 from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 from lsc_pose_ros.synthetic.sensors.sensors import NOISES, SENSORS
 from lsc_pose_ros.synthetic.settings import CLIP_LENGTH, VIDEO_CLIP_LENGTH, clip_length_of
@@ -53,7 +55,10 @@ def run(arguments: argparse.Namespace) -> int:
     """
     settings = settings_of(arguments)
     frames = synthetic_frames(settings)
-    with RecordingWriter(arguments.output) as writer:
+    writer = RecordingWriter(arguments.output)
+    inputs = filter(None, [arguments.mocap, arguments.mocap_mapping])
+    check_outputs([Output(arguments.output, RECORDING)], inputs)
+    with writer:
         for frame in progress(frames, settings.frames, 'generating'):
             writer.write_frame(frame)
     clips = -(-settings.frames // clip_length_of(settings))

@@ -40,7 +40,9 @@ from lsc_pose_ros.cli.options.training_options import (
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.model_io.model_file import save_model
+from lsc_pose_ros.files.kinds import JSON
+from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.model_io.model_file import MODEL, save_model
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.training.calibration import calibrate
 from lsc_pose_ros.training.samples import labelled_people
@@ -104,7 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
         InputError: a recording, a joint or the output cannot be used.
     """
     training = training_settings(arguments)
-    _check_writable(arguments.output)
+    _check_outputs(arguments)
     readers = open_recordings(arguments)
     others = _open_calibration_recordings(arguments, training)
     begin = time.perf_counter()
@@ -113,11 +115,11 @@ def run(arguments: argparse.Namespace) -> int:
     if others:
         frames = read_frames(others, 'calibrating')
         model = calibrate(model, labelled_people(frames, training.joints, training.settings))
-    save_model(arguments.output, model)
-    results = _results(arguments, model, time.perf_counter() - begin)
+    size = save_model(arguments.output, model)
+    results = _results(arguments, model, time.perf_counter() - begin) | {'bytes': size}
     print(
         f'{arguments.output}: {results["people"]} people, {len(model.forest.roots)} trees, '
-        f'{results["leaves"]} leaves, {arguments.output.stat().st_size / 1e6:.1f} MB, '
+        f'{results["leaves"]} leaves, {size / 1e6:.1f} MB, '
         f'{results["seconds"]:.0f} s'
     )
     if arguments.json:
@@ -142,7 +144,6 @@ def _results(arguments: argparse.Namespace, model: Model, seconds: float) -> dic
         'points': int(model.provenance['samples']),
         'calibrated': len(model.calibration) > 0,
         'leaves': len(model.forest.joint_votes.start) - 1,
-        'bytes': arguments.output.stat().st_size,
         'seconds': seconds,
     }
 
@@ -165,18 +166,16 @@ def _open_calibration_recordings(
     return readers
 
 
-def _check_writable(output: Path) -> None:
-    """Check before the training that the model can be written.
+def _check_outputs(arguments: argparse.Namespace) -> None:
+    """Check before the training that the model and its figures can be written.
 
     Raises:
-        InputError: the folder of `output` does not exist, or `output` is a folder.
+        InputError: one of them cannot.
     """
-    if output.is_dir() or not output.absolute().parent.is_dir():
-        msg = (
-            f'cannot write the model {output}: its folder must exist, and it must not be a folder '
-            'itself'
-        )
-        raise InputError(msg)
+    outputs = [Output(arguments.output, MODEL)]
+    if arguments.json:
+        outputs.append(Output(arguments.json, JSON))
+    check_outputs(outputs, [*arguments.recordings, *(arguments.calibrate or [])])
 
 
 def _show_step(step: str) -> None:

@@ -29,6 +29,9 @@ from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_fra
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import PNG
+from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_file import is_written_through
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.settings import Settings
@@ -152,12 +155,11 @@ def _frame_number(word: str) -> int:
 def _check(arguments: argparse.Namespace) -> None:
     """Check the arguments before the frames are read."""
     output: Path = arguments.output
-    if arguments.stages is None and output.suffix != _SUFFIX:
+    if arguments.stages is None and not _is_picture(output):
         msg = f'{output}: the sheet is a PNG file; its name must end in {_SUFFIX}'
         raise InputError(msg)
-    if output.suffix == _SUFFIX and not output.parent.is_dir():
-        msg = f'{output}: the folder {output.parent} does not exist; create it first'
-        raise InputError(msg)
+    if _is_picture(output):
+        check_outputs([Output(output, PNG)], [arguments.recording])
     count = len(arguments.at or ()) or arguments.frames
     if count > _MOST_FRAMES:
         msg = f'{count} frames are too many for one sheet; the limit is {_MOST_FRAMES}'
@@ -165,6 +167,10 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.body is not None and arguments.stages is None:
         msg = '--body needs --stages; a sheet of frames shows all bodies'
         raise InputError(msg)
+
+
+def _is_picture(output: Path) -> bool:
+    return output.suffix == _SUFFIX or is_written_through(output)
 
 
 def _draw_sheet(
@@ -229,7 +235,7 @@ def _draw_stages(
 
 
 def _save_stages(output: Path, shown: ShownBody) -> None:
-    if output.suffix == _SUFFIX:
+    if _is_picture(output):
         save_png(stage_sheet(shown), output)
         print(output)
         return

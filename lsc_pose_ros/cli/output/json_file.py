@@ -17,27 +17,19 @@
 
 import json
 import math
-import os
 from pathlib import Path
 
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import JSON
+from lsc_pose_ros.files.output_file import write_output
 
 
 def write_json(path: Path, results: dict[str, object]) -> None:
-    """Write `results` to a temporary file and rename it to `path`; NaN and infinity become null.
+    """Write `results` to `path`, `-` for standard output; NaN and infinity become null.
 
     Raises:
         InputError: the file cannot be written.
     """
-    beside = path.with_name(f'.{path.name}.{os.getpid()}.part')
-    try:
-        beside.write_text(json.dumps(_plain(results), indent=2) + '\n', encoding='utf-8')
-        beside.replace(path)
-    except OSError as error:
-        msg = f'cannot write {path}: {error.strerror or error}'
-        raise InputError(msg) from error
-    finally:
-        beside.unlink(missing_ok=True)
+    write_output(path, JSON, (json.dumps(_plain(results), indent=2) + '\n').encode())
 
 
 def _plain(value: object) -> object:

@@ -28,9 +28,13 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import archive
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.resources.package_files import resource
 
 VERSION = 1
+
+BODY = archive('a body', 'skin_bones.npy')
 
 
 class BodyModel(NamedTuple):
@@ -85,25 +89,15 @@ _ARRAYS: dict[str, tuple[str, int]] = {
 
 
 def save_body(path: str | os.PathLike[str], body: BodyModel) -> None:
-    """Write `body` to `path` atomically: to a temporary file first, which is then renamed.
+    """Write `body` to `path`.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file cannot be written, or another kind of file is there.
     """
-    target = Path(path)
-    temporary = target.with_name(f'.{target.name}.{os.getpid()}.part')
     arrays: dict[str, Any] = {**body._asdict(), 'version': VERSION}
     # The axes are stored one after the other, because that compresses better.
     arrays['components'] = np.ascontiguousarray(np.moveaxis(body.components, 2, 1))
-    try:
-        with temporary.open('wb') as file:
-            np.savez_compressed(file, **arrays)
-        temporary.replace(target)
-    except OSError as error:
-        msg = f'cannot write the body {target}: {error.strerror or error}'
-        raise InputError(msg) from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_output(Path(path), BODY, lambda file: np.savez_compressed(file, **arrays))
 
 
 def load_body(path: str | os.PathLike[str] | None = None) -> BodyModel:

@@ -16,7 +16,6 @@
 """Figures without a window and independent of the user's settings, and writing them as PNG."""
 
 import io
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,6 +26,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import PNG
+from lsc_pose_ros.files.output_file import write_output
 
 DOTS_PER_INCH = 100
 
@@ -91,12 +92,12 @@ def png_bytes(figure: Figure, *, scale: float = 1.0) -> bytes:
 
 
 def save_png(figure: Figure, path: Path) -> None:
-    """Write `figure` to `path`, through a temporary file that is renamed.
+    """Write `figure` to `path`, `-` for standard output.
 
     Raises:
         InputError: the file cannot be written.
     """
-    write_beside(path, png_bytes(figure))
+    write_output(path, PNG, png_bytes(figure))
 
 
 def make_directory(directory: Path) -> None:
@@ -109,20 +110,4 @@ def make_directory(directory: Path) -> None:
         directory.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         msg = f'{directory}: cannot create this folder: {error.strerror or error}'
-        raise InputError(msg) from error
-
-
-def write_beside(path: Path, data: bytes) -> None:
-    """Write `data` to `path`, through a temporary file that is renamed: never half a file.
-
-    Raises:
-        InputError: the file cannot be written.
-    """
-    beside = path.with_name(f'.{path.name}.{os.getpid()}.part')
-    try:
-        beside.write_bytes(data)
-        beside.replace(path)
-    except OSError as error:
-        beside.unlink(missing_ok=True)
-        msg = f'{path}: cannot be written: {error.strerror or error}'
         raise InputError(msg) from error

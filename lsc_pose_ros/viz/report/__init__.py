@@ -14,3 +14,6 @@
 # limitations under the License.
 
 """The contact sheet of a recording, and the figures and the page of an evaluation."""
+
+PAGE_NAME = 'index.html'
+"""The page in the folder of a report."""

@@ -24,12 +24,13 @@ from matplotlib.figure import Figure
 
 from lsc_pose_ros.evaluation.confidence_reliability import Reliability, measure_reliability
 from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
-from lsc_pose_ros.viz.drawing.canvas import make_directory, png_bytes, write_beside
+from lsc_pose_ros.files.kinds import HTML
+from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.viz.drawing.canvas import make_directory, png_bytes
+from lsc_pose_ros.viz.report import PAGE_NAME
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
 from lsc_pose_ros.viz.report.plots import error_curves, joint_bars, reliability_plot
-
-PAGE_NAME = 'index.html'
 
 # The resolution of figures relative to their size on the page: for dense screens and paper.
 _SCALE = 2.0
@@ -67,7 +68,7 @@ def write_report(directory: Path, report: Report) -> Path:
     """
     make_directory(directory)
     path = directory / PAGE_NAME
-    write_beside(path, page(report).encode())
+    write_output(path, HTML, page(report).encode())
     return path
 
 

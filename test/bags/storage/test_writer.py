@@ -16,8 +16,12 @@
 """Written recordings, read back by this package, by rosbags and by mcap, and real bags."""
 
 import os
+import resource
+import signal
+import subprocess
+import sys
+import threading
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -279,12 +283,59 @@ def test_places_that_cannot_be_written_to(tmp_path, name, words):
         RecordingWriter(tmp_path / name)
 
 
-@pytest.mark.skipif(not Path('/dev/full').exists(), reason='no /dev/full here')
-def test_full_disk(tmp_path, simple_frames):
-    (tmp_path / f'.one.mcap.{os.getpid()}.partial').symlink_to('/dev/full')
-    with pytest.raises(InputError, match=r'one\.mcap: cannot be written \(no space left'):
-        write_all(tmp_path / 'one.mcap', simple_frames)
+@pytest.mark.parametrize('name', ['one.mcap', 'bag'])
+def test_full_disk(tmp_path, simple_frames, name):
+    """A limit on the size of files stands for a full disk."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(InputError, match=rf'{name}\S*: cannot be written: File too large'):
+            write_all(tmp_path / name, simple_frames)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert list(tmp_path.iterdir()) == []
+
+
+_KILLED = """
+import os, signal, sys
+from lsc_pose_ros.bags import RecordingWriter
+with RecordingWriter(sys.argv[1]) as writer:
+    for k in range(40):
+        writer.write('/text', 'std_msgs/msg/String', k, b'\\0\\1\\0\\0' + os.urandom(100_000))
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+def test_killed_writer_leaves_the_old_recording_and_what_was_written(tmp_path, simple_frames):
+    path = tmp_path / 'one.mcap'
+    write_all(path, simple_frames)
+    before = path.read_bytes()
+    killed = subprocess.run([sys.executable, '-c', _KILLED, str(path)], check=False)
+    assert killed.returncode == -signal.SIGKILL
+    assert path.read_bytes() == before
+    (partial,) = tmp_path.glob('.one.mcap.*.part')
+    # The chunks of a megabyte that were complete.
+    assert len(list(read_messages(partial))) in range(30, 40)
+
+
+def test_other_kind_of_file_is_not_replaced(tmp_path):
+    path = tmp_path / 'one.mcap'
+    path.write_bytes(b'SQLite format 3\0')
+    with pytest.raises(InputError, match='is not a recording of the format MCAP'):
+        RecordingWriter(path)
+    assert path.read_bytes() == b'SQLite format 3\0'
+
+
+def test_recording_through_a_pipe(tmp_path, simple_frames):
+    path = tmp_path / 'pipe'
+    os.mkfifo(path)
+    copy = tmp_path / 'copy.mcap'
+    reader = threading.Thread(target=lambda: copy.write_bytes(path.read_bytes()))
+    reader.start()
+    write_all(path, simple_frames)
+    reader.join()
+    write_all(tmp_path / 'one.mcap', simple_frames)
+    assert copy.read_bytes() == (tmp_path / 'one.mcap').read_bytes()
 
 
 def test_unknown_types_are_refused(tmp_path):
