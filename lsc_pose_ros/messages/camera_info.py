@@ -212,7 +212,7 @@ def _read_lens(calibration: _Calibration) -> tuple[Lens | None, str]:
         return None, ''
     if not model or d[MOST_COEFFICIENTS[model] :].any():
         return None, (
-            f'the distortion model {calibration.model!r} with {len(d)} coefficients is not '
+            f'the distortion model {calibration.model!r:.60} with {len(d)} coefficients is not '
             f'known, and D is ignored: joints may be centimetres off. Known are {PLUMB_BOB}, '
             f'{RATIONAL_POLYNOMIAL} and {EQUIDISTANT}; or use the rectified images'
         )

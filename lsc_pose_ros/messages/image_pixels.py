@@ -45,7 +45,7 @@ def depth_of(image: AnyImage) -> NDArray[np.float32]:
     if 'compresseddepth' not in image.format.lower() and 'png' in image.format.lower():
         pixels = read_png(image.data.data)  # 16UC1 by the transport `compressed`
         if pixels.dtype != np.uint16:
-            msg = f'the PNG depth image ({image.format}) has 8 bits; depth needs 16'
+            msg = f'the PNG depth image ({image.format!r:.60}) has 8 bits; depth needs 16'
             raise InputError(msg)
         return depth_to_metres(pixels)
     return depth_to_metres(decode_compressed_depth(image.data.data, image.format))
@@ -64,6 +64,8 @@ def labels_of(image: AnyImage, background: int) -> NDArray[np.int32]:
     if isinstance(image, StampedImage):
         return decode_mask(image.data, image.layout, background)
     if 'png' not in image.format.lower():
-        msg = f'a mask compressed as {image.format!r} cannot be used; only PNG keeps the numbers'
+        msg = (
+            f'a mask compressed as {image.format!r:.60} cannot be used; only PNG keeps the numbers'
+        )
         raise InputError(msg)
     return labels_from_mask(read_png(image.data.data), background)

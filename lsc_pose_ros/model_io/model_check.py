@@ -26,6 +26,15 @@ from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes
 from lsc_pose_ros.pose.model import Model
 
+MOST_TREES = 100
+"""A forest with more trees takes too long."""
+
+MOST_SPLITS = 128
+"""The largest number of splits on the way from a root to a leaf."""
+
+MOST_VOTES = 1000
+"""The largest number of votes of a leaf for joints, and for pairs; trained ones have tens."""
+
 
 def check_model(model: Model) -> None:
     """Check every index that a kernel uses, because kernels check none.
@@ -47,6 +56,7 @@ def check_model(model: Model) -> None:
     _check_calibration(model.calibration, count)
     leaves = len(model.forest.joint_votes.start) - 1
     _check_nodes(model.forest, model.feature_size, leaves)
+    _check_depth(model.forest)
     _check_votes(model.forest.joint_votes, leaves, count)
     _check_votes(model.forest.pair_votes, leaves, len(edges))
 
@@ -102,6 +112,25 @@ def _check_nodes(forest: Forest, size: int, leaves: int) -> None:
         raise UnusableModelError(msg)
 
 
+def _check_depth(forest: Forest) -> None:
+    """Check that a point passes few nodes; that each node has one parent, too."""
+    if len(forest.roots) > MOST_TREES:
+        msg = f'it has {len(forest.roots)} trees; the limit is {MOST_TREES}'
+        raise UnusableModelError(msg)
+    level, passed = forest.roots, 0
+    for _ in range(MOST_SPLITS + 1):
+        passed += len(level)
+        if passed > len(forest.feature):
+            msg = 'its trees share nodes'
+            raise UnusableModelError(msg)
+        splits = level[forest.feature[level] >= 0]
+        if not len(splits):
+            return
+        level = np.concatenate([forest.left[splits], forest.left[splits] + 1])
+    msg = f'a leaf is below more than {MOST_SPLITS} splits'
+    raise UnusableModelError(msg)
+
+
 def _check_votes(votes: LeafVotes, leaves: int, targets: int) -> None:
     count = len(votes.target)
     good = (
@@ -110,6 +139,7 @@ def _check_votes(votes: LeafVotes, leaves: int, targets: int) -> None:
         and votes.start[0] == 0
         and votes.start[-1] == count
         and (np.diff(votes.start) >= 0).all()
+        and np.diff(votes.start).max() <= MOST_VOTES
         and votes.offset.shape == (count, 3)
         and votes.weight.shape == (count,)
         and (votes.target < targets).all()
@@ -118,5 +148,5 @@ def _check_votes(votes: LeafVotes, leaves: int, targets: int) -> None:
         and (votes.weight >= 0).all()
     )
     if not good:
-        msg = 'its votes do not fit its leaves'
+        msg = f'its votes do not fit its leaves, or a leaf has more than {MOST_VOTES}'
         raise UnusableModelError(msg)

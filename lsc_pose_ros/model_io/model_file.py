@@ -19,6 +19,7 @@ The file is what `numpy.savez_compressed` writes, read with `allow_pickle=False`
 `forest_packing.py` describes the arrays of the forest, and `model_header.py` the header.
 """
 
+import math
 import os
 import zipfile
 from pathlib import Path
@@ -44,6 +45,10 @@ MODEL = archive('a model', 'header.npy', FORMAT.encode())
 
 # The largest models are some tens of megabytes; more than this is a zip bomb.
 LARGEST_ARRAY = 1 << 30
+# Those of models are two or three times as large as the file; a bomb is a thousand times.
+LARGEST_RATIO = 100
+SMALL = 1 << 20
+MOST_PARTS = 100
 
 _ARRAYS: dict[str, Form] = {
     'joints': (np.uint16, 1),
@@ -108,7 +113,7 @@ def load_model(model: str | os.PathLike[str]) -> Model:
         raise InputError(msg) from error
     except Exception as error:  # a damaged file makes numpy raise errors of many types
         why = str(error) or type(error).__name__
-        msg = f'{source} is not a usable model file ({why}); make one with `lsc_pose train`'
+        msg = f'{source} is not a usable model file ({why:.200}); make one with `lsc_pose train`'
         raise InputError(msg) from error
 
 
@@ -133,12 +138,38 @@ def describe_model(model: Model) -> dict[str, str]:
 
 
 def check_sizes(path: Path) -> None:
-    """Raise UnusableModelError if a part of an archive is too large to be that of a model."""
+    """Check the sizes that an archive claims, before memory is allocated for its arrays.
+
+    Raises:
+        UnusableModelError: a part is too large to be that of a model, or is much larger than the
+            file, or is shorter than its array.
+    """
+    most = LARGEST_RATIO * path.stat().st_size + SMALL
     with zipfile.ZipFile(path) as archive:
-        for entry in archive.infolist():
-            if entry.file_size > LARGEST_ARRAY:
-                msg = f'its part {entry.filename} has {entry.file_size} bytes'
+        entries = archive.infolist()
+        for entry in entries:
+            if entry.file_size > min(LARGEST_ARRAY, most):
+                msg = f'its part {entry.filename!r:.40} has {entry.file_size} bytes'
                 raise UnusableModelError(msg)
+        if len(entries) > MOST_PARTS or sum(entry.file_size for entry in entries) > most:
+            msg = 'its parts are too many, or far larger than the file'
+            raise UnusableModelError(msg)
+        for entry in entries:
+            _check_part(archive, entry)
+
+
+def _check_part(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> None:
+    """Check that a part has the bytes of the array that it claims to be."""
+    with archive.open(entry) as stream:
+        version = np.lib.format.read_magic(stream)
+        read = {
+            (1, 0): np.lib.format.read_array_header_1_0,
+            (2, 0): np.lib.format.read_array_header_2_0,
+        }[version]
+        shape, _, kind = read(stream)
+    if kind.hasobject or math.prod(shape) * kind.itemsize > entry.file_size:
+        msg = f'its part {entry.filename!r:.40} is shorter than its array'
+        raise UnusableModelError(msg)
 
 
 def _read_header(archive: Any) -> Header:  # noqa: ANN401

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.pose.model import Model
-from lsc_pose_ros.pose.settings import BINNINGS, FEATURES, SAMPLES, Settings
+from lsc_pose_ros.pose.settings import BINNINGS, FEATURES, LARGEST, SAMPLES, Settings
 
 FORMAT = 'lsc_pose model'
 VERSION = 5
@@ -38,9 +38,6 @@ _NEW_IN_VERSION_5: dict[str, float] = {
     for name in ('occluder_step', 'sloppy_outline', 'least_cut_scale')
 }
 """Settings that older versions do not have, and the values that their models use."""
-
-_LARGEST_SETTING = 10_000
-_LARGEST_SEED = 1 << 128
 
 # The settings that are words, and which words are allowed.
 _WORDS = {'feature': FEATURES, 'sample': SAMPLES, 'binning': BINNINGS}
@@ -77,7 +74,7 @@ def decode_header(data: NDArray[Any]) -> Header:
         raise UnusableModelError(msg)
     version, settings = header.get('version'), header.get('settings')
     if version not in {3, 4, VERSION}:
-        msg = f'it has version {version}, but this program reads versions 3 to {VERSION}'
+        msg = f'it has version {version!r:.20}, but this program reads versions 3 to {VERSION}'
         raise UnusableModelError(msg)
     if isinstance(settings, dict):
         settings = _settings_of_this_version(settings, version)
@@ -125,15 +122,16 @@ def _read_settings(given: object) -> Settings:
 
 def _read_word(name: str, value: object) -> str:
     if value not in _WORDS[name]:
-        msg = f'its setting {name} is {value!r}'
+        msg = f'its setting {name} is {value!r:.40}'
         raise UnusableModelError(msg)
     return str(value)
 
 
 def _read_number(name: str, value: Any, kind: type) -> Any:  # noqa: ANN401
     is_number = isinstance(value, int if kind is int else int | float)
-    largest = _LARGEST_SEED if name == 'offset_seed' else _LARGEST_SETTING
-    if not is_number or isinstance(value, bool) or not 0 <= value <= largest:
-        msg = f'its setting {name} is {value!r}'
+    if not is_number or isinstance(value, bool) or not 0 <= value <= LARGEST[name]:
+        msg = (
+            f'its setting {name} is {value!r:.40}; it must be a number from 0 to {LARGEST[name]:g}'
+        )
         raise UnusableModelError(msg)
     return kind(value)

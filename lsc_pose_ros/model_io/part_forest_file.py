@@ -124,7 +124,7 @@ def _read_forest(archive: Any, which: str) -> PartForest:  # noqa: ANN401
 
 def _unusable(source: Path, error: Exception) -> InputError:
     why = str(error) or type(error).__name__
-    return InputError(f'{source} is not a usable body-part forest ({why})')
+    return InputError(f'{source} is not a usable body-part forest ({why:.200})')
 
 
 def _read_header(archive: Any) -> dict[str, str]:  # noqa: ANN401

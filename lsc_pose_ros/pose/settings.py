@@ -94,3 +94,32 @@ class Settings(NamedTuple):
     offset_pairs: int = 360
     offset_reach: float = 0.5
     offset_seed: int = 0
+
+
+LARGEST: dict[str, float] = {
+    'fewest_neighbours': 8,
+    'neighbour_distance': 10.0,
+    'fill_holes': 8,
+    'occluder_step': 1.0,
+    'sloppy_outline': 1.0,
+    'noise_factor': 100.0,
+    'smoothing_sigma': 1.0,
+    'edge_threshold': 10.0,
+    'points': 1000,
+    'query_points': 1000,
+    'fixed_scale': 10.0,
+    'least_cut_scale': 10.0,
+    'support_radius': 100.0,
+    'inner_radius': 1.0,
+    'body_yaws': 36,
+    'joint_bandwidth': 10.0,
+    'heaviest_votes': 1000,
+    'candidates': 10,
+    'pair_weight': 100.0,
+    'legs_apart': 10.0,
+    'offset_pairs': 2000,
+    'offset_reach': 10.0,
+    'offset_seed': 1 << 128,
+}
+"""The largest value of each setting that is a number. A frame with the largest counts, which is
+what a model from a stranger can ask for, takes some ten times as long as one with the defaults."""

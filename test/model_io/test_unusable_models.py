@@ -23,8 +23,10 @@ import pytest
 from model_parts import change_header, edit, parts_of, rewrite, with_settings
 
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.model_io.model_check import MOST_SPLITS, MOST_TREES, MOST_VOTES
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.model_io.model_header import VERSION
+from lsc_pose_ros.pose.settings import LARGEST
 
 
 def test_pickle_is_not_run(tmp_path):
@@ -74,8 +76,75 @@ def test_another_version_is_refused_by_its_number(version, small_model_file, tmp
 
 def test_zip_bomb_is_refused_before_it_is_unpacked(monkeypatch, small_model_file):
     monkeypatch.setattr('lsc_pose_ros.model_io.model_file.LARGEST_ARRAY', 1000)
-    with pytest.raises(InputError, match=r'its part \w+\.npy has \d+ bytes'):
+    with pytest.raises(InputError, match=r"its part '\w+\.npy' has \d+ bytes\"):
         load_model(small_model_file)
+
+
+def test_archive_that_is_far_larger_than_its_file_is_refused(small_model_file, tmp_path):
+    path = tmp_path / 'bomb.npz'
+    parts = parts_of(small_model_file) | {'more': np.zeros(50 << 20, np.uint8)}
+    np.savez_compressed(path, **parts)
+    with pytest.raises(InputError, match=r"its part 'more\.npy' has \d+ bytes"):
+        load_model(path)
+
+
+def test_array_that_claims_more_than_its_bytes_is_refused(small_model_file, tmp_path):
+    path = tmp_path / 'claim.npz'
+    text = b"{'descr': '|u1', 'fortran_order': False, 'shape': (1000000000000,)}"
+    with zipfile.ZipFile(small_model_file) as old, zipfile.ZipFile(path, 'w') as new:
+        for name in old.namelist():
+            data = old.read(name)
+            if name == 'threshold.npy':
+                data = data[:8] + len(text).to_bytes(2, 'little') + text
+            new.writestr(name, data)
+    with pytest.raises(InputError, match=r"its part 'threshold\.npy' is shorter than its array"):
+        load_model(path)
+
+
+def chain(parts, splits):
+    """Return the parts of trees that each are one long branch, without votes."""
+    feature = np.array([0, *[-1, 0] * (splits - 1), -1, -1], np.int16)
+    leaves = np.zeros(splits + 1, np.uint16)
+    none = {f'{name}_{part}': parts[f'{name}_{part}'][..., :0]
+            for name in ('joint', 'pair') for part in ('target', 'offset', 'weight')}  # fmt: skip
+    return {
+        'nodes': np.array([len(feature)], np.int32),
+        'feature': feature,
+        'threshold': np.ones(splits, np.uint8),
+        'joint_count': leaves,
+        'pair_count': leaves,
+        **none,
+    }
+
+
+def test_long_branches_are_refused(small_model_file, tmp_path):
+    parts = parts_of(small_model_file)
+    path = rewrite(small_model_file, tmp_path / 'long.npz', **chain(parts, MOST_SPLITS))
+    assert len(load_model(path).forest.left) == 2 * MOST_SPLITS + 1
+    rewrite(small_model_file, path, **chain(parts, MOST_SPLITS + 1))
+    with pytest.raises(InputError, match=f'more than {MOST_SPLITS} splits'):
+        load_model(path)
+
+
+def test_many_trees_are_refused(small_model_file, tmp_path):
+    parts = chain(parts_of(small_model_file), 1)
+    for name in ('nodes', 'feature', 'threshold', 'joint_count', 'pair_count'):
+        parts[name] = np.tile(parts[name], MOST_TREES + 1)
+    path = rewrite(small_model_file, tmp_path / 'many.npz', **parts)
+    with pytest.raises(InputError, match=f'{MOST_TREES + 1} trees; the limit is {MOST_TREES}'):
+        load_model(path)
+
+
+def test_leaf_with_many_votes_is_refused(small_model_file, tmp_path):
+    parts = chain(parts_of(small_model_file), 1)
+    count = MOST_VOTES + 1
+    parts['joint_count'] = np.array([count, 0], np.uint16)
+    parts['joint_target'] = np.zeros(count, np.uint8)
+    parts['joint_offset'] = np.zeros((3, count), np.int8)
+    parts['joint_weight'] = np.ones(count, np.uint8)
+    path = rewrite(small_model_file, tmp_path / 'votes.npz', **parts)
+    with pytest.raises(InputError, match=f'a leaf has more than {MOST_VOTES}'):
+        load_model(path)
 
 
 EVIL = {
@@ -168,6 +237,7 @@ def test_settings_of_another_version_are_refused(small_model_file, tmp_path):
         ('points', 0),
         ('points', 1.5),
         ('points', 10**9),
+        *((name, value + 1) for name, value in LARGEST.items() if name != 'offset_seed'),
         ('heaviest_votes', -1),
         ('joint_bandwidth', 0),
         ('joint_bandwidth', 'wide'),

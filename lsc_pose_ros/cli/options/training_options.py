@@ -27,7 +27,7 @@ from lsc_pose_ros.cli.options.numbers import (
 )
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.pose.settings import FEATURES, SAMPLES
+from lsc_pose_ros.pose.settings import FEATURES, LARGEST, SAMPLES
 from lsc_pose_ros.training.body_yaw_labels import BODY_YAWS
 from lsc_pose_ros.training.criterion import CRITERIA
 from lsc_pose_ros.training.train import GIBIBYTE, TrainingSettings
@@ -223,7 +223,7 @@ def add_training_options(
         values: dict[str, Any] = (
             {'choices': option.choices}
             if option.choices
-            else {'type': option.convert, 'metavar': option.metavar}
+            else {'type': _bounded(option), 'metavar': option.metavar}
         )
         container.add_argument(
             f'--{option.name}',
@@ -231,6 +231,20 @@ def add_training_options(
             help=f'{option.help} (default: %(default)s)',
             **values,
         )
+
+
+def _bounded(option: TrainingOption) -> Callable[[str], Any]:
+    """Return what converts a word to a value that a model file may have."""
+    largest = LARGEST.get(option.field) if option.group == 'settings' else None
+
+    def convert(word: str) -> object:
+        value = option.convert(word)
+        if largest is not None and isinstance(value, int | float) and value > largest:
+            msg = f'{word} is too large; the limit is {largest:g}'
+            raise argparse.ArgumentTypeError(msg)
+        return value
+
+    return convert
 
 
 def add_memory_option(parser: argparse.ArgumentParser) -> None:

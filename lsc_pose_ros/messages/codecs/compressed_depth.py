@@ -63,12 +63,14 @@ def parse_format(text: str) -> CompressedFormat:
     codec = words[1] if len(words) > 1 else 'png'
     if encoding not in _ENCODINGS or words[0] != 'compressedDepth':
         msg = (
-            f'unknown depth format {text!r}; it must be {" or ".join(_ENCODINGS)} by '
+            f'unknown depth format {text!r:.60}; it must be {" or ".join(_ENCODINGS)} by '
             'compressedDepth'
         )
         raise InputError(msg)
     if codec not in {'png', 'rvl'}:
-        msg = f'unknown codec {codec!r} in the depth format {text!r}; it must be png or rvl'
+        msg = (
+            f'unknown codec {codec!r:.60} in the depth format {text!r:.60}; it must be png or rvl'
+        )
         raise InputError(msg)
     return CompressedFormat(encoding, codec)
 

@@ -116,7 +116,8 @@ def view_pixels(
         InputError: the encoding is unknown or the bytes do not fill the image.
     """
     if layout.encoding not in types:
-        msg = f'{what}: unknown encoding {layout.encoding!r}; it must be one of {", ".join(types)}'
+        known = ', '.join(types)
+        msg = f'{what}: unknown encoding {layout.encoding!r:.60}; it must be one of {known}'
         raise InputError(msg)
     pixel = types[layout.encoding].newbyteorder('>' if layout.big_endian else '<')
     values = np.frombuffer(data, np.uint8)

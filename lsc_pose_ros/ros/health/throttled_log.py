@@ -17,11 +17,16 @@
 
 import threading
 import time
+import traceback
 from collections.abc import Callable
 from typing import Protocol
 
 # A kind of problem is forgotten after these seconds, which are longer than any period.
 _MEMORY = 600.0
+
+
+LONGEST_TEXT = 2000
+"""The longest text that is logged, characters; of a longer one, the middle is left out."""
 
 
 class Logger(Protocol):
@@ -62,13 +67,13 @@ class ThrottledLog:
         self._withheld: dict[str, int] = {}
 
     def warning(self, kind: str, text: str) -> None:
-        """Log `text` as a warning unless one of the same `kind` was logged in the last period."""
+        """Log `text` as a warning unless one of the same `kind` was logged just before."""
         message = self._admit(kind, text)
         if message is not None:
             self._logger.warning(message)
 
     def error(self, kind: str, text: str) -> None:
-        """Log `text` as an error unless one of the same `kind` was logged in the last period."""
+        """Log `text` as an error unless one of the same `kind` was logged just before."""
         message = self._admit(kind, text)
         if message is not None:
             self._logger.error(message)
@@ -82,6 +87,7 @@ class ThrottledLog:
             self._last[kind] = now
             withheld = self._withheld.pop(kind, 0)
             self._forget(now)
+        text = cut(text)
         return f'{text} ({withheld} more like this since the last report)' if withheld else text
 
     def _forget(self, now: float) -> None:
@@ -89,3 +95,25 @@ class ThrottledLog:
         for kind in [kind for kind, last in self._last.items() if now - last > _MEMORY]:
             del self._last[kind]
             self._withheld.pop(kind, None)
+
+
+def cut(text: str) -> str:
+    """Return `text`, which may quote what others have sent, without its middle if it is long."""
+    if len(text) <= LONGEST_TEXT:
+        return text
+    half = LONGEST_TEXT // 2
+    return f'{text[:half]} [... {len(text) - 2 * half} characters ...] {text[-half:]}'
+
+
+def kind_of(error: BaseException) -> str:
+    """Return the kind of problem that `error` reports: its type and the way to it in the code.
+
+    Its text may be different for each frame. A bad mask and a bad depth image are two kinds,
+    because they are read in different places.
+    """
+    places = [
+        f'{frame.f_code.co_filename}:{line}'
+        for frame, line in traceback.walk_tb(error.__traceback__)
+    ]
+    cause = kind_of(error.__cause__) if error.__cause__ else ''
+    return ' '.join([type(error).__name__, *places, cause])

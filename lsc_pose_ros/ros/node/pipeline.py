@@ -30,7 +30,7 @@ from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
 from lsc_pose_ros.ros.health.stream_monitor import StreamMonitor
 from lsc_pose_ros.ros.health.stream_warnings import Counters
-from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
+from lsc_pose_ros.ros.health.throttled_log import ThrottledLog, kind_of
 from lsc_pose_ros.ros.io.frame_messages import FrameMessages, frame_of
 from lsc_pose_ros.ros.io.inputs import Inputs
 from lsc_pose_ros.ros.io.transform_listener import TransformListener
@@ -196,10 +196,10 @@ class Pipeline:
             return  # publishing fails while the node shuts down, which is no problem
         self._diagnostics.measurements.count_failure()
         if isinstance(error, InputError):
-            self._log.error(str(error), str(error))
+            self._log.error(kind_of(error), str(error))
         else:
             text = ''.join(traceback.format_exception(error))
-            self._log.error(type(error).__name__, f'a frame was left out: {text}')
+            self._log.error(kind_of(error), f'a frame was left out: {text}')
 
     def _log_warnings(self) -> None:
         inputs = self.inputs

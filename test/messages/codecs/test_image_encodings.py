@@ -18,10 +18,12 @@ import pytest
 
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.codecs.compressed_depth import parse_format
 from lsc_pose_ros.messages.codecs.image_encodings import (
     ImageLayout,
     decode_depth,
     decode_mask,
+    view_pixels,
 )
 
 
@@ -89,3 +91,12 @@ def test_decoding_does_not_write_to_the_message():
     data = np.array([[0, 1500]], np.uint16).tobytes()
     decode_depth(data, ImageLayout('16UC1', 1, 2, 4, big_endian=False))[0, 0] = 9
     assert data == np.array([[0, 1500]], np.uint16).tobytes()
+
+
+def test_long_names_from_messages_are_cut():
+    with pytest.raises(InputError, match='unknown encoding') as error:
+        view_pixels(b'', ImageLayout('x' * 190_000, 1, 1, 1, big_endian=False), {}, 'mask')
+    assert len(str(error.value)) < 300
+    with pytest.raises(InputError, match='unknown depth format') as error:
+        parse_format('x' * 190_000)
+    assert len(str(error.value)) < 300

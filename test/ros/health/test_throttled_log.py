@@ -15,7 +15,10 @@
 
 """Log messages that are limited to one of each kind in a period."""
 
-from lsc_pose_ros.ros.health.throttled_log import ThrottledLog
+from collections.abc import Callable
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.ros.health.throttled_log import LONGEST_TEXT, ThrottledLog, kind_of
 
 
 class Log:
@@ -64,3 +67,39 @@ def test_old_kinds_are_forgotten() -> None:
         throttled.error(f'{step} bytes', 'broken')
     assert len(log.lines) == 20000
     assert len(throttled._last) < 1300
+
+
+def test_long_text_is_cut() -> None:
+    log = Log()
+    ThrottledLog(log).error('mask', f'begin {"x" * 1_000_000} end')
+    ((_, text),) = log.lines
+    assert len(text) < LONGEST_TEXT + 100
+    assert text.startswith('begin x')
+    assert text.endswith('x end')
+    assert '[... 998010 characters ...]' in text
+
+
+def decode(text: str | None) -> None:
+    try:
+        float(text)
+    except ValueError as error:
+        msg = f'wrong: {text}'
+        raise InputError(msg) from error
+
+
+def decode_mask(text: str | None) -> None:
+    decode(text)
+
+
+def kind_in(act: Callable[[str | None], None], text: str | None) -> str:
+    try:
+        act(text)
+    except (InputError, TypeError) as error:
+        return kind_of(error)
+    raise AssertionError
+
+
+def test_kind_is_the_place_and_not_the_text() -> None:
+    assert kind_in(decode, 'a') == kind_in(decode, 'b')
+    assert kind_in(decode, 'a') != kind_in(decode_mask, 'a')
+    assert kind_in(decode, 'a') != kind_in(decode, None)

@@ -282,6 +282,19 @@ def test_transition_that_does_not_exist_is_refused(
     assert services.state == 'inactive'
 
 
+def test_requests_that_do_not_fit_an_active_node_do_not_end_it(
+    start_in_state: Callable[[str], Program], services: NodeServices
+) -> None:
+    node = start_in_state('active')
+    for number in (1, 3, 99, 0, 255):
+        assert not services.change_by_number(number)
+        assert services.state == 'active'
+    assert node.prints('a transition was refused')
+    assert services.change('deactivate')
+    assert node.exit_status(signal.SIGINT) == 0
+    assert 'Traceback' not in node.output
+
+
 def test_model_that_is_missing_fails_to_configure_and_can_be_mended(
     spawn_node: Callable[..., Program], services: NodeServices, small_model_file: Path
 ) -> None:
