@@ -76,7 +76,7 @@ def test_another_version_is_refused_by_its_number(version, small_model_file, tmp
 
 def test_zip_bomb_is_refused_before_it_is_unpacked(monkeypatch, small_model_file):
     monkeypatch.setattr('lsc_pose_ros.model_io.model_file.LARGEST_ARRAY', 1000)
-    with pytest.raises(InputError, match=r"its part '\w+\.npy' has \d+ bytes\"):
+    with pytest.raises(InputError, match=r"its part '\w+\.npy' has \d+ bytes"):
         load_model(small_model_file)
 
 
