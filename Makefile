@@ -51,7 +51,7 @@ help:
 	@echo 'make settings         write pose_node.yaml and docs/parameters.md from settings/table.py'
 	@echo 'make model            train and measure the model of the package, in one or two hours;'
 	@echo '                      MOCAP=DIR for motion capture, NAME=front for the other model'
-	@echo 'make body-parts       train the forest that finds people without a mask, in half an hour;'
+	@echo 'make body-parts       train the network that finds people without a mask, in two hours;'
 	@echo '                      MOCAP=DIR for motion capture'
 	@echo 'make benchmarks       the curves of benchmarks/; nothing else may run meanwhile'
 	@echo 'make benchmarks-live  the table of the live node, in seven minutes'
@@ -103,6 +103,7 @@ model: $(VENV)/installed
 	$(BIN)/python models/make.py $(NAME) $(if $(MOCAP),--mocap '$(MOCAP)')
 
 body-parts: $(VENV)/installed
+	$(BIN)/python -m pip install torch
 	$(BIN)/python models/make_body_parts.py $(if $(MOCAP),--mocap '$(MOCAP)')
 
 benchmarks: $(VENV)/installed

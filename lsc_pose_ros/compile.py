@@ -36,14 +36,7 @@ from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.settings import FEATURES, Settings
 from lsc_pose_ros.segmentation.segmenter import make_segmenter
 from lsc_pose_ros.settings.table import SEGMENTATIONS, SegmentationSettings
-from lsc_pose_ros.synthetic.generator import (
-    SyntheticSettings,
-    synthetic_frames,
-    synthetic_scenes,
-)
-from lsc_pose_ros.training.body_parts.part_samples import PartImage, collect_samples
-from lsc_pose_ros.training.body_parts.part_training import train_part_forest
-from lsc_pose_ros.training.body_parts.part_tree_growth import PartGrowth
+from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
 from lsc_pose_ros.training.criterion import ENTROPY, SPREAD, contributions, offset_moments
 from lsc_pose_ros.training.train import TrainingSettings, train
 from lsc_pose_ros.training.tree_growth import BRANCH_SAMPLES, GrowthSettings, grow_tree
@@ -77,18 +70,9 @@ def compile_kernels() -> None:
         scene = SyntheticSettings(frames=2, sensor=sensor, rate=30.0, background=True)
         for _ in synthetic_frames(scene):
             pass
-    _train_body_parts()
-
-
-def _train_body_parts() -> None:
-    """Grow the top of a tree of body parts on a furnished room with sloppy masks."""
-    settings = SyntheticSettings(frames=1, furniture=True, sloppy_masks=True)
-    images = [
-        PartImage(scene.frame.depth, scene.parts, scene.frame.camera)
-        for scene in synthetic_scenes(settings)
-    ]
-    samples = collect_samples(images, 50, 50, 6.0, 0)
-    train_part_forest(samples, 1, PartGrowth(depth=1, features=2), 0)
+    scene = SyntheticSettings(frames=1, furniture=True, sloppy_masks=True)
+    for _ in synthetic_frames(scene):
+        pass
 
 
 def _train() -> Model:

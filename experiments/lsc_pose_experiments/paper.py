@@ -33,10 +33,10 @@ from lsc_pose_experiments.experiment import (
     Variant,
 )
 from lsc_pose_experiments.shotton.part_model_training import PartModelSettings
+from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth
 from lsc_pose_experiments.trial import Accuracy, Trial
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.pose.settings import Settings
-from lsc_pose_ros.training.body_parts.part_tree_growth import PartGrowth
 from lsc_pose_ros.training.train import TrainingSettings
 from lsc_pose_ros.training.tree_growth import GrowthSettings
 

@@ -25,7 +25,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_experiments.shotton import part_estimator, part_model_training
+from lsc_pose_experiments.shotton import (
+    part_estimator,
+    part_forest_training,
+    part_model_training,
+    part_samples,
+)
 from lsc_pose_experiments.shotton.part_model_training import PartModelSettings
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.data_types.visibility import UNKNOWN
@@ -36,7 +41,6 @@ from lsc_pose_ros.files.kinds import JSON
 from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.numerics.source_hash import source_hash
 from lsc_pose_ros.training import train
-from lsc_pose_ros.training.body_parts import part_samples, part_training
 from lsc_pose_ros.training.train import TrainingSettings
 from lsc_pose_ros.viz.drawing.canvas import make_directory
 
@@ -45,7 +49,7 @@ _FORMAT = 2
 
 # The modules that, with those they use, determine the result of a trial.
 _PROGRAM = (train, evaluate)
-_PROGRAM_OF_BODY_PARTS = (part_estimator, part_model_training, part_samples, part_training)
+_PROGRAM_OF_BODY_PARTS = (part_estimator, part_model_training, part_samples, part_forest_training)
 
 
 class Trial(NamedTuple):

@@ -18,7 +18,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.part_forest import NOT_A_PERSON
+from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.numerics.jit import kernel
 
 SURFACE_STEP = 0.12

@@ -19,8 +19,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.context import CellParts, PartForests, classify_in_context
 from lsc_pose_ros.body_parts.depth_grid import DepthGrid, depth_grid
+from lsc_pose_ros.body_parts.part_network import CellParts, PartNetwork, classify
+from lsc_pose_ros.body_parts.smoothing import SMOOTHING_REACH, smooth_person
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.segmentation.cell_labels import labels_from_cells
@@ -31,33 +32,34 @@ STRIDE = 2
 """Each second cell of the depth grid is classified, along rows and columns."""
 
 FARTHEST = 6.0
-"""People at a larger depth are not found, because the forest has not learnt them, metres."""
+"""People at a larger depth are not found, because the network has not learnt them, metres."""
 
 PERSON_THRESHOLD = 0.35
 """The least probability that a cell shows a person."""
 
 
 class People:
-    """Finds all people, with forests that classify body parts.
+    """Finds all people, with a network that classifies body parts.
 
-    They give each cell of a coarse grid the probabilities of 20 body parts and of "no person"
-    (`body_parts/context.py`). Cells that show people are given to the nearest head or
-    trunk (`person_instances.py`), and pixels to the cells (`cell_labels.py`). The most certain
+    It gives each cell of a coarse grid the probabilities of 20 body parts and of "no person"
+    (`body_parts/part_network.py`). It also says of each cell where the middle of its
+    person is, which tells people apart (`person_instances.py`). Pixels are given to the cells
+    (`cell_labels.py`). The most certain
     person is body 1.
     """
 
     ready = True
     warning = ''
 
-    def __init__(self, forests: PartForests, range_min: float, range_max: float) -> None:
-        """Store forests and range.
+    def __init__(self, network: PartNetwork, range_min: float, range_max: float) -> None:
+        """Store network and range.
 
         Args:
-            forests: classify body parts.
+            network: classifies body parts.
             range_min: metres; nearer pixels are no body.
             range_max: metres; farther pixels are no body.
         """
-        self._forests = forests
+        self._network = network
         self._range = range_min, range_max
 
     def learn(self, stamp: int, depth: NDArray[np.float32]) -> None:
@@ -73,7 +75,7 @@ class People:
         nearest, farthest = self._range
         grid = depth_grid(depth, camera)
         # The range only limits the pixels: a body that reaches out of it is judged as a whole.
-        parts = classify_in_context(grid, self._forests, STRIDE, FARTHEST)
+        parts = classify(grid, self._network, STRIDE, FARTHEST)
         cells, bodies = find_people(grid, parts, camera)
         numbers = np.append(bodies.body, -1)[cells.number]
         labels = np.where(numbers >= 0, numbers + 1, NO_BODY).astype(np.int32)
@@ -98,7 +100,6 @@ def find_people(
         float((camera.cx - grid.step // 2) / spacing),
         float((camera.cy - grid.step // 2) / spacing),
     )
-    cells = person_cells(
-        parts.probabilities, parts.person, parts.depth, in_cells, PERSON_THRESHOLD
-    )
+    smoothed = smooth_person(parts.probabilities, parts.depth, SMOOTHING_REACH)
+    cells = person_cells(parts, smoothed, in_cells, PERSON_THRESHOLD)
     return cells, find_bodies(cells)

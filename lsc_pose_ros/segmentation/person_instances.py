@@ -14,286 +14,221 @@
 # limitations under the License.
 
 
-"""Tells people apart: each person has a head or a trunk, and each cell belongs to the nearest one.
+"""Tells people apart: each cell belongs to the person for whose middle it votes.
 
-Distances are those of paths over the cells that show people. A step between neighbouring cells
-costs their distance in space, so that a path follows the surface of a body. A step from one
-surface to another, as from a hand in front of the chest to the chest, costs more.
+The network says of each cell how far away the middle of its person is, over what is visible of
+the person. The votes of one person meet there, also those of an arm or of legs that something cuts
+off from the rest (A. Kendall and R. Cipolla call it a learnt Hough voting; B. Cheng et al.,
+"Panoptic-DeepLab", CVPR 2020, group pixels in this way).
 """
 
-import heapq
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.smoothing import SURFACE_STEP
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.segmentation.person_cells import PersonCells
 
-NEIGHBOURS = 2
-"""Cells are neighbours if their rows and columns differ by at most this: it bridges small gaps."""
+VOXEL = 0.1
+"""Votes are counted in cubes of this size to find where they meet, metres."""
 
-JUMP_FACTOR = 3.0
-"""A step between two surfaces costs this many times its distance."""
+REACH = 0.45
+"""Votes farther from a middle do not belong to it, metres."""
 
-LARGEST_JUMP = 0.7
-"""The largest step between two surfaces of one body, metres: a hand towards the camera."""
+SPACING = 0.3
+"""The least distance of two people's middles, metres."""
 
-HEAD_RADIUS = 0.15
-TRUNK_RADIUS = 0.25
-"""Radius of the sphere in which evidence for a head or a trunk is summed, metres."""
+STEPS = 3
+"""The number of mean-shift steps to each middle."""
 
-HEAD_SPACING = 0.3
-TRUNK_SPACING = 0.4
-"""The least distance of two heads, and of two trunks, metres."""
-
-LEAST_PROBABILITY = 0.25
-"""The middle of a head or trunk shows the part with at least this probability."""
-
-LEAST_HEAD = 0.008
-LEAST_TRUNK = 0.03
-"""The least evidence of a head and of a trunk: probability times area, square metres."""
-
-HEAD_TO_TRUNK = 1.3
-"""A trunk within this distance of a head belongs to it, along the surface, metres."""
-
-REACH = 2.0
-"""Cells at a larger distance from head or trunk belong to nobody, along the surface, metres."""
-
-LEAST_AREA = 0.06
+LEAST_AREA = 0.05
 """A body with a smaller visible area is none, square metres."""
 
-LEAST_PERSON = 0.7
+LEAST_PERSON = 0.6
 """The least mean probability that the cells of a body show a person."""
 
-LEAST_EVIDENCE = 0.04
-"""The least evidence of head and trunk together of a body, square metres."""
+MOST_PEOPLE = 32
+"""No more people are found in one image."""
 
 
 class Bodies(NamedTuple):
-    """The people that were found.
+    """The people that were found, those with the most evidence first.
 
     Attributes:
         body: the index of the person of each cell, -1 for none, shape (N,), int32.
         area: the visible area of each person, square metres, shape (B,).
         person: the mean probability that the cells of each show a person, shape (B,).
-        evidence: of head and trunk of each person, square metres, shape (B,).
     """
 
     body: NDArray[np.int32]
     area: NDArray[np.float64]
     person: NDArray[np.float64]
-    evidence: NDArray[np.float64]
 
 
 @kernel
 def find_bodies(cells: PersonCells) -> Bodies:
     """Return the people in the cells, those with the most evidence first."""
-    heads = find_peaks(cells, cells.head, HEAD_RADIUS, HEAD_SPACING, LEAST_HEAD)
-    trunks = find_peaks(cells, cells.trunk, TRUNK_RADIUS, TRUNK_SPACING, LEAST_TRUNK)
-    count = cells.area.shape[0]
-    distance = np.full(count, np.inf)
-    body = np.full(count, -1, np.int32)
-    seeds = np.empty(heads.shape[0] + trunks.shape[0], np.int64)
-    used = 0
-    for head in heads:
-        seeds[used] = head
-        spread(cells, seeds, used, distance, body)
-        used += 1
-    for trunk in trunks:
-        if distance[trunk] > HEAD_TO_TRUNK:
-            seeds[used] = trunk
-            spread(cells, seeds, used, distance, body)
-            used += 1
-    return drop_doubtful(cells, seeds[:used], body)
-
-
-@kernel
-def drop_doubtful(cells: PersonCells, seeds: NDArray[np.int64], body: NDArray[np.int32]) -> Bodies:
-    """Return the bodies without those of too little area, probability or evidence.
-
-    The cells of the one with the least evidence go to others in reach; then the rest is judged
-    again.
-
-    Args:
-        cells: the cells.
-        seeds: a cell of each body, shape (B,).
-        body: the body of each cell, -1 for none, shape (N,).
-    """
-    kept = seeds.copy()
-    while True:
-        area, person, evidence = measure_bodies(cells, body, kept.shape[0])
-        worst, least = -1, np.inf
-        for b in range(kept.shape[0]):
-            doubtful = area[b] < LEAST_AREA or person[b] < LEAST_PERSON
-            doubtful = doubtful or evidence[b] < LEAST_EVIDENCE
-            if doubtful and evidence[b] < least:
-                worst, least = b, evidence[b]
-        if worst < 0:
-            break
-        kept = np.concatenate((kept[:worst], kept[worst + 1 :]))
-        distance = np.full(body.shape[0], np.inf)
-        body = np.full(body.shape[0], -1, np.int32)
-        for b in range(kept.shape[0]):
-            spread(cells, kept, b, distance, body)
-    order = np.argsort(-evidence)
-    rank = np.empty(kept.shape[0], np.int32)
-    for r in range(order.shape[0]):
-        rank[order[r]] = r
+    middles = find_middles(cells)
+    body = nearest_middles(cells, middles)
+    area, person = measure_bodies(cells, body, middles.shape[0])
+    certain = (area >= LEAST_AREA) & (person >= LEAST_PERSON)
+    order = np.argsort(-area * person)
+    rank = np.full(middles.shape[0], -1, np.int32)
+    kept = np.empty(middles.shape[0], np.int64)
+    count = 0
+    for b in order:
+        if certain[b]:
+            rank[b], kept[count] = count, b
+            count += 1
     for n in range(body.shape[0]):
         if body[n] >= 0:
             body[n] = rank[body[n]]
-    return Bodies(body, area[order], person[order], evidence[order])
+    return Bodies(body, area[kept[:count]], person[kept[:count]])
 
 
 @kernel
-def measure_bodies(
-    cells: PersonCells, body: NDArray[np.int32], count: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return area, mean probability and evidence of each body as in Bodies, shape (B,) each."""
-    area, person, evidence = np.zeros(count), np.zeros(count), np.zeros(count)
-    for n in range(body.shape[0]):
-        if body[n] >= 0:
-            area[body[n]] += cells.area[n]
-            person[body[n]] += cells.area[n] * cells.person[n]
-            evidence[body[n]] += cells.area[n] * (cells.head[n] + cells.trunk[n])
-    for b in range(count):
-        person[b] /= max(area[b], 1e-9)
-    return area, person, evidence
+def find_middles(cells: PersonCells) -> NDArray[np.float64]:
+    """Return the places where votes meet, metres, shape (B, 3), those with most votes first.
+
+    A vote weighs the probability times the area of its cell. The heaviest cube of votes, with the
+    cubes around it, is where a mean-shift begins; the votes near its end are then left out.
+    """
+    left = cells.person * cells.area
+    voxel = np.floor(cells.vote / np.float32(VOXEL)).astype(np.int64)
+    middles = np.empty((MOST_PEOPLE, 3))
+    count = 0
+    while count < MOST_PEOPLE:
+        heaviest, weight = heaviest_voxel(voxel, left)
+        if weight < LEAST_AREA * LEAST_PERSON:
+            break
+        middle = middles[count]
+        for k in range(3):
+            middle[k] = (heaviest[k] + 0.5) * VOXEL
+        for _ in range(STEPS):
+            shift(cells, left, middle)
+        if distance_to_nearest(middle, middles[:count]) >= SPACING:
+            count += 1
+            leave_out(cells, left, middle)
+        else:  # the rest of somebody's votes
+            for n in range(left.shape[0]):
+                if is_beside(voxel[n], heaviest):
+                    left[n] = 0
+    return middles[:count]
 
 
 @kernel
-def find_peaks(
-    cells: PersonCells,
-    probability: NDArray[np.float32],
-    radius: float,
-    spacing: float,
-    least: float,
-) -> NDArray[np.int64]:
-    """Return the cells around which there is most evidence for a part, the best first.
+def distance_to_nearest(position: NDArray[np.float64], others: NDArray[np.float64]) -> float:
+    """Return the distance to the nearest of the other positions, infinity if there are none."""
+    nearest = np.inf
+    for b in range(others.shape[0]):
+        nearest = min(nearest, squared_distance(position, others[b]))
+    distance: float = np.sqrt(nearest)
+    return distance
 
-    The evidence of a cell is the sum of probability times area in the sphere of `radius`. A cell
-    within `spacing` of a better one is none, and one that hardly shows the part itself.
+
+@kernel
+def leave_out(
+    cells: PersonCells, weight: NDArray[np.float32], middle: NDArray[np.float64]
+) -> None:
+    """Set the weights of the votes within SPACING of a middle to 0."""
+    for n in range(weight.shape[0]):
+        if squared_distance(cells.vote[n], middle) < SPACING * SPACING:
+            weight[n] = 0
+
+
+@kernel
+def is_beside(first: NDArray[np.int64], second: NDArray[np.int64]) -> bool:
+    """Return whether two cubes are the same or have a corner in common."""
+    return (
+        abs(first[0] - second[0]) <= 1
+        and abs(first[1] - second[1]) <= 1
+        and abs(first[2] - second[2]) <= 1
+    )
+
+
+@kernel
+def heaviest_voxel(
+    voxel: NDArray[np.int64], weight: NDArray[np.float32]
+) -> tuple[NDArray[np.int64], float]:
+    """Return the cube with the most weight in it and in the 26 around it, and this weight.
+
+    Args:
+        voxel: the cube of each vote, shape (N, 3).
+        weight: of each vote, shape (N,).
+    """
+    first, last = np.full(3, np.iinfo(np.int64).max), np.full(3, np.iinfo(np.int64).min)
+    for n in range(weight.shape[0]):
+        if weight[n] > 0:
+            for k in range(3):
+                first[k], last[k] = min(first[k], voxel[n, k]), max(last[k], voxel[n, k])
+    if first[0] > last[0]:
+        return np.zeros(3, np.int64), 0.0
+    sums = np.zeros((last[0] - first[0] + 3, last[1] - first[1] + 3, last[2] - first[2] + 3))
+    for n in range(weight.shape[0]):
+        if weight[n] > 0:
+            i, j, k = voxel[n] - first
+            sums[i : i + 3, j : j + 3, k : k + 3] += weight[n]
+    best = np.argmax(sums)
+    heaviest = np.empty(3, np.int64)
+    heaviest[0] = best // (sums.shape[1] * sums.shape[2])
+    heaviest[1] = best // sums.shape[2] % sums.shape[1]
+    heaviest[2] = best % sums.shape[2]
+    return heaviest - 1 + first, sums.flat[best]
+
+
+@kernel
+def shift(cells: PersonCells, weight: NDArray[np.float32], middle: NDArray[np.float64]) -> None:
+    """Move a middle to the weighted mean of the votes within SPACING, if there are any.
 
     Args:
         cells: the cells.
-        probability: of the part at each cell, shape (N,).
-        radius: metres.
-        spacing: metres.
-        least: the least evidence, square metres.
+        weight: of each vote, shape (N,).
+        middle: metres, shape (3,); updated.
     """
-    evidence = sum_in_spheres(cells, probability, radius)
-    peaks = np.empty(evidence.shape[0], np.int64)
-    used = 0
-    while used < peaks.shape[0]:
-        best = int(np.argmax(evidence))
-        if evidence[best] < least:
-            break
-        peaks[used] = best
-        used += 1
-        for n in range(evidence.shape[0]):
-            if squared_distance(cells.points, n, best) < spacing * spacing:
-                evidence[n] = -1.0
-    return peaks[:used]
+    total, x, y, z = 0.0, 0.0, 0.0, 0.0
+    for n in range(weight.shape[0]):
+        vote = cells.vote[n]
+        if weight[n] > 0 and squared_distance(vote, middle) < SPACING * SPACING:
+            total += weight[n]
+            x += weight[n] * vote[0]
+            y += weight[n] * vote[1]
+            z += weight[n] * vote[2]
+    if total > 0:
+        middle[0], middle[1], middle[2] = x / total, y / total, z / total
 
 
 @kernel
-def sum_in_spheres(
-    cells: PersonCells, probability: NDArray[np.float32], radius: float
-) -> NDArray[np.float64]:
-    """Return the sum of probability times area in the sphere around each cell, shape (N,).
-
-    It is 0 for a cell whose own probability is below LEAST_PROBABILITY.
-    """
-    sums = np.zeros(cells.area.shape[0])
-    height, width = cells.number.shape
-    for n in range(sums.shape[0]):
-        if probability[n] < LEAST_PROBABILITY:
-            continue
-        window = window_around(cells.points[n], cells.area[n], radius)
-        i, j = cells.row[n], cells.column[n]
-        for k in range(max(i - window, 0), min(i + window + 1, height)):
-            for m in range(max(j - window, 0), min(j + window + 1, width)):
-                other = cells.number[k, m]
-                if other >= 0 and squared_distance(cells.points, n, other) <= radius * radius:
-                    sums[n] += probability[other] * cells.area[other]
-    return sums
+def nearest_middles(cells: PersonCells, middles: NDArray[np.float64]) -> NDArray[np.int32]:
+    """Return the index of the middle that is nearest to each vote, -1 if none is within REACH."""
+    body = np.full(cells.area.shape[0], -1, np.int32)
+    for n in range(body.shape[0]):
+        nearest = REACH * REACH
+        for b in range(middles.shape[0]):
+            squared = squared_distance(cells.vote[n], middles[b])
+            if squared < nearest:
+                nearest, body[n] = squared, b
+    return body
 
 
 @kernel
-def window_around(point: NDArray[np.float32], area: float, radius: float) -> int:
-    """Return how many rows and columns a point in the sphere around another is away at most.
-
-    With |dx|, |dz| <= r: |(x + dx) / (z + dz) - x / z| <= r (1 + |x / z|) / (z - r).
-
-    Args:
-        point: the middle of the sphere, metres, shape (3,).
-        area: of a cell at its depth, square metres; a tenth is added for pixels that are not
-            square.
-        radius: r, metres.
-    """
-    x, y, z = point
-    aside = 1.0 + max(abs(x), abs(y)) / z
-    cells_per_metre = 1.1 / np.sqrt(area)
-    return int(np.ceil(radius * aside * cells_per_metre * z / max(z - radius, 0.5 * z)))
-
-
-@kernel
-def squared_distance(points: NDArray[np.float32], first: int, second: int) -> float:
-    """Return the squared distance of two of the points, square metres."""
-    x = points[first, 0] - points[second, 0]
-    y = points[first, 1] - points[second, 1]
-    z = points[first, 2] - points[second, 2]
+def squared_distance(first: NDArray[np.floating], second: NDArray[np.floating]) -> float:
+    """Return the squared distance of two positions, square metres."""
+    x, y, z = first[0] - second[0], first[1] - second[1], first[2] - second[2]
     squared: float = x * x + y * y + z * z
     return squared
 
 
 @kernel
-def spread(
-    cells: PersonCells,
-    seeds: NDArray[np.int64],
-    number: int,
-    distance: NDArray[np.float64],
-    body: NDArray[np.int32],
-) -> None:
-    """Give the cells that are nearer to a new body's seed than to any other to the new body.
-
-    Dijkstra's algorithm from the seed; it stops at cells that are nearer to other seeds.
-
-    Args:
-        cells: the cells.
-        seeds: the cell from which each body spreads.
-        number: the new body, an index of `seeds`.
-        distance: of each cell from its body's seed, metres, infinity for none, shape (N,);
-            updated.
-        body: the body of each cell, -1 for none, shape (N,); updated.
-    """
-    height, width = cells.number.shape
-    seed = seeds[number]
-    distance[seed], body[seed] = 0.0, number
-    heap = [(0.0, seed)]
-    while len(heap) > 0:
-        travelled, n = heapq.heappop(heap)
-        if travelled > distance[n] or body[n] != number:
-            continue
-        i, j = cells.row[n], cells.column[n]
-        for k in range(max(i - NEIGHBOURS, 0), min(i + NEIGHBOURS + 1, height)):
-            for m in range(max(j - NEIGHBOURS, 0), min(j + NEIGHBOURS + 1, width)):
-                other = cells.number[k, m]
-                if other < 0 or other == n:
-                    continue
-                reached = travelled + cost_of_step(cells.points, n, other)
-                if reached < distance[other] and reached <= REACH:
-                    distance[other], body[other] = reached, number
-                    heapq.heappush(heap, (reached, np.int64(other)))
-
-
-@kernel
-def cost_of_step(points: NDArray[np.float32], first: int, second: int) -> float:
-    """Return the cost of a step between two cells, metres; infinity for a too large jump."""
-    length: float = np.sqrt(squared_distance(points, first, second))
-    jump = abs(points[first, 2] - points[second, 2])
-    if jump <= SURFACE_STEP:
-        return length
-    return length * JUMP_FACTOR if jump <= LARGEST_JUMP else np.inf
+def measure_bodies(
+    cells: PersonCells, body: NDArray[np.int32], count: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return area and mean probability of each body as in Bodies, shape (B,) each."""
+    area, person = np.zeros(count), np.zeros(count)
+    for n in range(body.shape[0]):
+        if body[n] >= 0:
+            area[body[n]] += cells.area[n]
+            person[body[n]] += cells.area[n] * cells.person[n]
+    for b in range(count):
+        person[b] /= max(area[b], 1e-9)
+    return area, person

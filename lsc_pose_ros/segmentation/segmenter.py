@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.model_io.part_forest_file import load_part_forests
+from lsc_pose_ros.model_io.part_network_file import load_part_network
 from lsc_pose_ros.segmentation.background import Background
 from lsc_pose_ros.segmentation.nearest_body import NearestBody
 from lsc_pose_ros.segmentation.people import People
@@ -86,7 +86,7 @@ def make_segmenter(settings: SegmentationSettings) -> Segmenter | None:
         )
         raise InputError(msg)
     if settings.segmentation in (AUTO, PEOPLE):
-        return People(load_part_forests().forests, nearest, farthest)
+        return People(load_part_network().network, nearest, farthest)
     if settings.segmentation == NEAREST:
         return NearestBody(nearest, farthest)
     return Background(settings.background_seconds, settings.background_margin, nearest, farthest)

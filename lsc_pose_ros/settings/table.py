@@ -146,7 +146,7 @@ class SegmentationSettings:
         choices={
             AUTO: 'mask if masks are published, or recorded; otherwise people.',
             MASK: 'a mask image, which another program publishes, shows the bodies.',
-            PEOPLE: 'no mask is needed. A forest finds all people by the body parts that the '
+            PEOPLE: 'no mask is needed. A network finds all people by the body parts that the '
             'pixels show.',
             BACKGROUND: 'no mask is needed. The camera stands still and sees the scene without '
             'people for background_seconds; a body is what appears in front of it later.',

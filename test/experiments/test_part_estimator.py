@@ -20,12 +20,12 @@ import pytest
 from lsc_pose_experiments.sampled_frames import sample_frames
 from lsc_pose_experiments.shotton.part_estimator import PartEstimator
 from lsc_pose_experiments.shotton.part_model_training import PartModelSettings, train_part_model
+from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth
 
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, summarise
-from lsc_pose_ros.training.body_parts.part_tree_growth import PartGrowth
 
 JOINTS = numbers_of(['head', 'neck', 'l_shoulder', 'r_shoulder', 'l_knee', 'r_hand'])
 SMALL = PartModelSettings(2, PartGrowth(14, features=60), 300, 100)

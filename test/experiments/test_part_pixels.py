@@ -17,6 +17,7 @@
 
 import numpy as np
 import pytest
+from lsc_pose_experiments.shotton.part_forest import PartForest
 from lsc_pose_experiments.shotton.part_images import body_image, part_images
 from lsc_pose_experiments.shotton.part_pixels import (
     MOST_PIXELS,
@@ -26,7 +27,7 @@ from lsc_pose_experiments.shotton.part_pixels import (
     part_cloud,
 )
 
-from lsc_pose_ros.body_parts.part_forest import CLASSES, NOT_A_PERSON, PartForest
+from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
 from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.image_arguments import ImageArguments
@@ -39,7 +40,6 @@ def one_leaf(part: int) -> PartForest:
     return PartForest(
         roots=np.zeros(1, np.int32),
         splits=np.zeros((1, 5), np.float32),
-        plane=np.zeros(1, np.uint8),
         left=np.array([-1], np.int32),
         leaves=leaves,
     )

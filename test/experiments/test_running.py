@@ -25,13 +25,13 @@ from lsc_pose_experiments.running import TrialContext, relative_body_sizes, resu
 from lsc_pose_experiments.sampled_frames import decode_frames
 from lsc_pose_experiments.shotton.part_estimator import PartEstimator
 from lsc_pose_experiments.shotton.part_model_training import PartModelSettings, train_part_model
+from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth
 from lsc_pose_experiments.trial import ResultStore, Trial, TrialResult, join_results, trial_key
 
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.evaluation.evaluate import evaluate
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.settings import Settings
-from lsc_pose_ros.training.body_parts.part_tree_growth import PartGrowth
 from lsc_pose_ros.training.train import TrainingSettings, train
 from lsc_pose_ros.training.tree_growth import GrowthSettings
 

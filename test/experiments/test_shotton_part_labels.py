@@ -25,7 +25,7 @@ from lsc_pose_experiments.shotton.part_labels import (
     parts_at,
 )
 
-from lsc_pose_ros.body_parts.part_forest import NOT_A_PERSON
+from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 
 

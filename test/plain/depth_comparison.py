@@ -19,8 +19,8 @@
 import math
 
 import numpy as np
+from lsc_pose_experiments.shotton.part_forest import BEYOND
 
-from lsc_pose_ros.body_parts.part_forest import BEYOND
 from lsc_pose_ros.data_types.camera import Intrinsics
 
 

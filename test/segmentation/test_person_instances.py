@@ -14,38 +14,35 @@
 # limitations under the License.
 
 
-"""People told apart on a grid of cells, compared with plain Python."""
+"""People told apart on a grid of cells, compared with plain numpy."""
 
 import itertools
 
 import numpy as np
 import pytest
 
-from lsc_pose_ros.body_parts.part_forest import CLASSES, NOT_A_PERSON
-from lsc_pose_ros.body_parts.smoothing import SURFACE_STEP, smooth_person
+from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
+from lsc_pose_ros.body_parts.part_network import CellParts
+from lsc_pose_ros.body_parts.smoothing import smooth_person
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.segmentation import cell_labels, person_instances
 from lsc_pose_ros.segmentation.cell_labels import labels_from_cells
-from lsc_pose_ros.segmentation.person_cells import (
-    HEAD_CLASS,
-    TRUNK_CLASSES,
-    PersonCells,
-    person_cells,
-)
+from lsc_pose_ros.segmentation.person_cells import PersonCells, person_cells
 from lsc_pose_ros.segmentation.person_instances import (
     find_bodies,
-    find_peaks,
-    spread,
-    sum_in_spheres,
+    find_middles,
+    heaviest_voxel,
+    measure_bodies,
+    nearest_middles,
 )
 
 CAMERA = (60.0, 62.0, 30.0, 22.0)  # fx, fy, cx, cy in cells
-ARM_CLASS = 1 + JOINT_NUMBERS['l_elbow']
+TORSO = 1 + JOINT_NUMBERS['torso']
 
 
-def random_scene(seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return probabilities and depth with several surfaces, and cells that are not classified."""
+def random_scene(seed: int) -> CellParts:
+    """Return cells of several surfaces, some of them not classified."""
     rng = np.random.default_rng(seed)
     depth = rng.choice([1.5, 1.58, 2.0, 2.6], (14, 18)).astype(np.float32)
     probabilities = rng.random((14, 18, CLASSES)).astype(np.float32)
@@ -53,162 +50,160 @@ def random_scene(seed: int) -> tuple[np.ndarray, np.ndarray]:
     probabilities /= probabilities.sum(axis=-1, keepdims=True)
     unknown = rng.random(depth.shape) < 0.15
     depth[unknown], probabilities[unknown] = 0, 0
-    return probabilities, depth
+    return CellParts(depth, probabilities, rng.normal(0, 0.4, (14, 18, 3)).astype(np.float32))
 
 
-def cells_of(seed: int, threshold: float = 0.4) -> PersonCells:
-    probabilities, depth = random_scene(seed)
-    smoothed = smooth_person(probabilities, depth, 1)
-    return person_cells(probabilities, smoothed, depth, CAMERA, threshold)
+def cells_of(parts: CellParts, threshold: float = 0.4) -> PersonCells:
+    smoothed = smooth_person(parts.probabilities, parts.depth, 1)
+    return person_cells(parts, smoothed, CAMERA, threshold)
 
 
 @pytest.mark.parametrize('seed', range(3))
-def test_cells_of_people_have_positions_areas_and_parts(seed: int) -> None:
-    probabilities, depth = random_scene(seed)
-    smoothed = smooth_person(probabilities, depth, 1)
-    cells = person_cells(probabilities, smoothed, depth, CAMERA, 0.4)
+def test_cells_of_people_vote_for_their_middle(seed: int) -> None:
+    parts = random_scene(seed)
+    smoothed = smooth_person(parts.probabilities, parts.depth, 1)
+    cells = person_cells(parts, smoothed, CAMERA, 0.4)
     chosen = np.argwhere(smoothed >= 0.4)
     assert len(chosen) == len(cells.area) > 10
     fx, fy, cx, cy = CAMERA
     for n, (i, j) in enumerate(chosen):
-        z = depth[i, j]
+        z = float(parts.depth[i, j])
+        across, down, away = parts.to_middle[i, j].astype(float)
+        # The pixel and the depth of the middle, projected back.
+        row, column, middle = i + down * fy / z, j + across * fx / z, max(z + away, 0.1)
+        expected = [(column - cx) / fx * middle, (row - cy) / fy * middle, middle]
+        np.testing.assert_allclose(cells.vote[n], expected, rtol=1e-4, atol=1e-4)
         assert cells.number[i, j] == n
-        assert (cells.row[n], cells.column[n]) == (i, j)
-        np.testing.assert_allclose(
-            cells.points[n], [(j - cx) / fx * z, (i - cy) / fy * z, z], rtol=1e-5
-        )
+        assert cells.person[n] == smoothed[i, j]
         assert cells.area[n] == pytest.approx(z * z / fx / fy, rel=1e-5)
-        assert cells.head[n] == probabilities[i, j, HEAD_CLASS]
-        trunk = probabilities[i, j, TRUNK_CLASSES].sum()
-        assert cells.trunk[n] == pytest.approx(trunk, abs=1e-5)
     assert (cells.number >= 0).sum() == len(chosen)
 
 
-@pytest.mark.parametrize('radius', [0.0213, 0.1517, 0.4039])
-@pytest.mark.parametrize('seed', range(3))
-def test_evidence_is_summed_in_spheres(seed: int, radius: float) -> None:
-    cells = cells_of(seed)
-    found = sum_in_spheres(cells, cells.trunk, radius)
-    apart = np.linalg.norm(cells.points[:, None] - cells.points[None], axis=-1)
-    # No distance of two cells is within rounding of these radii.
-    assert (abs(apart - radius) > 1e-6).all()
-    expected = ((apart <= radius) * (cells.trunk * cells.area)[None]).sum(axis=1)
-    expected[cells.trunk < person_instances.LEAST_PROBABILITY] = 0
-    np.testing.assert_allclose(found, expected, rtol=1e-4)
-
-
-def test_peaks_are_the_best_and_apart() -> None:
-    cells = cells_of(1)
-    evidence = sum_in_spheres(cells, cells.trunk, 0.2)
-    peaks = find_peaks(cells, cells.trunk, 0.2, 0.3, 0.003)
-    assert len(peaks) > 1
-    assert evidence[peaks[0]] == evidence.max()
-    assert (np.diff(evidence[peaks]) <= 0).all()
-    for one, other in itertools.combinations(peaks, 2):
-        assert np.linalg.norm(cells.points[one] - cells.points[other]) >= 0.3
-    # Every cell with enough evidence is near a peak.
-    for n in np.flatnonzero(evidence >= 0.003):
-        assert np.linalg.norm(cells.points[peaks] - cells.points[n], axis=1).min() < 0.3
-
-
-def shortest_paths(cells: PersonCells, seed: int) -> np.ndarray:
-    """Return the cost of the cheapest path from one cell to each, by repeated relaxation."""
-    steps = []
-    reach = person_instances.NEIGHBOURS
-    for one, other in itertools.permutations(range(len(cells.area)), 2):
-        rows = abs(int(cells.row[one]) - int(cells.row[other]))
-        columns = abs(int(cells.column[one]) - int(cells.column[other]))
-        if max(rows, columns) > reach:
-            continue
-        difference = (cells.points[one] - cells.points[other]).astype(float)
-        length, jump = float(np.linalg.norm(difference)), abs(difference[2])
-        if jump > person_instances.LARGEST_JUMP:
-            continue
-        factor = 1 if jump <= SURFACE_STEP else person_instances.JUMP_FACTOR
-        steps.append((one, other, length * factor))
-    cost = np.full(len(cells.area), np.inf)
-    cost[seed] = 0
-    while True:
-        before = cost.copy()
-        for one, other, length in steps:
-            cost[other] = min(cost[other], cost[one] + length)
-        if (cost == before).all():
-            return np.where(cost <= person_instances.REACH, cost, np.inf)
+@pytest.mark.parametrize('seed', range(4))
+def test_the_heaviest_cube_is_that_of_the_largest_sum(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    voxel = rng.integers(-3, 5, (80, 3))
+    weight = (rng.random(80) * (rng.random(80) < 0.7)).astype(np.float32)
+    around = (abs(voxel[:, None] - voxel[None]) <= 1).all(axis=-1)
+    sums = {}
+    for center in itertools.product(range(-4, 6), repeat=3):
+        near = (abs(voxel - center) <= 1).all(axis=1)
+        sums[center] = float(weight[near].sum())
+    found, best = heaviest_voxel(voxel, weight)
+    assert best == pytest.approx(max(sums.values()), rel=1e-5)
+    assert sums[tuple(found)] == pytest.approx(best, rel=1e-5)
+    assert best >= (around * weight).sum(axis=1).max() * (1 - 1e-5)
+    nothing, none = heaviest_voxel(voxel, np.zeros(80, np.float32))
+    assert none == 0
+    assert (nothing == 0).all()
 
 
 @pytest.mark.parametrize('seed', range(3))
-def test_each_cell_belongs_to_the_nearest_seed(seed: int) -> None:
-    cells = cells_of(seed)
-    seeds = np.array([3, len(cells.area) // 2, len(cells.area) - 4])
-    distance = np.full(len(cells.area), np.inf)
-    body = np.full(len(cells.area), -1, np.int32)
-    for number in range(3):
-        spread(cells, seeds, number, distance, body)
-    paths = np.array([shortest_paths(cells, each) for each in seeds])
-    np.testing.assert_allclose(distance, paths.min(axis=0), rtol=1e-5)
-    reached = np.isfinite(distance)
-    assert (body[~reached] == -1).all()
-    chosen = paths[body[reached], np.flatnonzero(reached)]
-    np.testing.assert_allclose(chosen, distance[reached], rtol=1e-5)
+def test_each_cell_belongs_to_the_nearest_middle(seed: int) -> None:
+    cells = cells_of(random_scene(seed))
+    middles = np.random.default_rng(seed).uniform(-1, 2.5, (5, 3))
+    body = nearest_middles(cells, middles)
+    apart = np.linalg.norm(cells.vote[:, None] - middles[None], axis=-1)
+    nearest = apart.argmin(axis=1)
+    reached = apart.min(axis=1) < person_instances.REACH
+    np.testing.assert_array_equal(body, np.where(reached, nearest, -1))
+    area, person = measure_bodies(cells, body, 5)
+    for b in range(5):
+        assert area[b] == pytest.approx(cells.area[body == b].sum(), rel=1e-4)
+        total = (cells.area * cells.person)[body == b].sum()
+        assert person[b] == pytest.approx(total / max(area[b], 1e-9), rel=1e-4)
 
 
-def paint(people: list[tuple[int, float]], *, arm: bool = False) -> tuple[np.ndarray, np.ndarray]:
-    """Return probabilities and depth of people: the column of their middle, and their depth."""
+def test_middles_are_where_votes_meet_and_apart() -> None:
+    rng = np.random.default_rng(0)
+    places = np.array([[0, 0, 2], [1, 0, 2.5], [0.1, 0.1, 3.5]])
+    vote = np.concatenate([each + rng.normal(0, 0.05, (60, 3)) for each in places])
+    number = np.full((1, 1), -1, np.int32)
+    cells = PersonCells(
+        number, vote.astype(np.float32), np.full(180, 0.002, np.float32), np.ones(180, np.float32)
+    )
+    middles = find_middles(cells)
+    assert len(middles) == 3
+    apart = np.linalg.norm(middles[:, None] - places[None], axis=-1)
+    assert sorted(apart.argmin(axis=1)) == [0, 1, 2]
+    # Each is the mean of the votes around it: four standard errors per axis.
+    assert apart.min(axis=1).max() < 4 * 0.05 / np.sqrt(60) * np.sqrt(3)
+
+
+def paint(people: list[tuple[int, float]], *, arm: bool = False) -> CellParts:
+    """Return people with exact votes: the column of their middle, and their depth."""
     depth = np.full((45, 60), 4.0, np.float32)
-    classes = np.zeros((45, 60), np.int64)
-    for column, z in people:
-        depth[6:10, column - 2 : column + 2] = z
-        classes[6:10, column - 2 : column + 2] = HEAD_CLASS
-        depth[10:40, column - 5 : column + 5] = z
-        classes[10:40, column - 5 : column + 5] = TRUNK_CLASSES[1]
-        classes[26:40, column - 5 : column + 5] = 1 + JOINT_NUMBERS['l_knee']
+    owner = np.full((45, 60), -1)
+    for number, (column, z) in enumerate(people):
+        for rows, half in ((slice(6, 10), 2), (slice(10, 40), 5)):
+            depth[rows, column - half : column + half] = z
+            owner[rows, column - half : column + half] = number
         if arm:
             depth[14:22, column - 2 : column + 1] = z - 0.5
-            classes[14:22, column - 2 : column + 1] = ARM_CLASS
-    return np.eye(CLASSES, dtype=np.float32)[classes], depth
+    to_middle = np.zeros((45, 60, 3), np.float32)
+    rows, columns = np.mgrid[:45, :60]
+    for number in range(len(people)):
+        mine = owner == number
+        z = depth[mine]
+        to_middle[mine, 0] = (columns[mine].mean() - columns[mine]) * z / CAMERA[0]
+        to_middle[mine, 1] = (rows[mine].mean() - rows[mine]) * z / CAMERA[1]
+        to_middle[mine, 2] = z.mean() - z
+    classes = np.where(owner >= 0, TORSO, NOT_A_PERSON)
+    return CellParts(depth, np.eye(CLASSES, dtype=np.float32)[classes], to_middle)
 
 
-def bodies_in(probabilities: np.ndarray, depth: np.ndarray) -> np.ndarray:
-    smoothed = smooth_person(probabilities, depth, 1)
-    cells = person_cells(probabilities, smoothed, depth, CAMERA, 0.5)
+def bodies_in(parts: CellParts) -> np.ndarray:
+    cells = cells_of(parts, 0.5)
     return np.append(find_bodies(cells).body, -1)[cells.number]
 
 
 def test_two_people_side_by_side_are_two() -> None:
-    probabilities, depth = paint([(20, 2.5), (30, 2.5)])
-    body = bodies_in(probabilities, depth)
+    body = bodies_in(paint([(20, 2.5), (30, 2.5)]))
     assert body.max() == 1
-    assert (body[11:40, 15:23] == body[8, 20]).all()
-    assert (body[11:40, 27:35] == body[8, 30]).all()
+    assert (body[11:39, 15:25] == body[8, 20]).all()
+    assert (body[11:39, 26:34] == body[8, 30]).all()
     assert body[8, 20] != body[8, 30]
 
 
 def test_an_arm_before_the_trunk_belongs_to_it() -> None:
-    body = bodies_in(*paint([(20, 2.0)], arm=True))
+    body = bodies_in(paint([(20, 2.0)], arm=True))
     assert body.max() == 0
     assert (body[14:22, 18:21] == 0).all()
 
 
+def test_legs_below_a_counter_belong_to_the_trunk_above_it() -> None:
+    parts = paint([(20, 2.0)])
+    parts.depth[20:28] = 1.5
+    parts.probabilities[20:28] = np.eye(CLASSES)[NOT_A_PERSON]
+    body = bodies_in(parts)
+    assert body.max() == 0
+    assert (body[30:39, 16:24] == 0).all()
+    assert (body[21:27] == -1).all()
+
+
 def test_a_person_behind_another_is_another() -> None:
-    body = bodies_in(*paint([(22, 3.4), (30, 2.0)]))
+    body = bodies_in(paint([(22, 3.4), (30, 2.0)]))
     assert body.max() == 1
     assert body[8, 22] >= 0
     assert body[8, 22] != body[8, 30]
 
 
 def test_a_few_cells_of_a_limb_are_no_body() -> None:
-    probabilities, depth = paint([(20, 2.5)])
-    depth[20:24, 45:48] = 2.5
-    probabilities[20:24, 45:48] = np.eye(CLASSES)[ARM_CLASS]
-    body = bodies_in(probabilities, depth)
+    parts = paint([(20, 2.5)])
+    parts.depth[20:24, 45:48] = 2.5
+    parts.probabilities[20:24, 45:48] = np.eye(CLASSES)[TORSO]
+    body = bodies_in(parts)
     assert body.max() == 0
     assert (body[20:24, 45:48] == -1).all()
 
 
 def test_no_cells_are_no_bodies() -> None:
-    probabilities, depth = paint([])
-    assert (bodies_in(probabilities, depth) == -1).all()
-    assert (bodies_in(np.zeros_like(probabilities), np.zeros_like(depth)) == -1).all()
+    parts = paint([])
+    assert (bodies_in(parts) == -1).all()
+    nothing = parts._replace(
+        depth=np.zeros_like(parts.depth), probabilities=np.zeros_like(parts.probabilities)
+    )
+    assert (bodies_in(nothing) == -1).all()
 
 
 @pytest.mark.parametrize(('spacing', 'offset'), [(1, 0), (2, 0), (4, 1), (8, 2)])

@@ -25,8 +25,8 @@ from lsc_pose_experiments.shotton.joint_proposals import (
     push_back,
     surface_proposal,
 )
+from lsc_pose_experiments.shotton.part_forest import PartForest
 from lsc_pose_experiments.shotton.part_pixels import classify_body, part_cloud
-from lsc_pose_ros.body_parts.part_forest import PartForest
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons

@@ -21,14 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_experiments.shotton.part_labels import parts_at
-from lsc_pose_ros.body_parts.part_forest import NOT_A_PERSON
+from lsc_pose_experiments.shotton.part_samples import PartImage
+from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.camera.projection import back_project
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.image_arguments import ImageArguments
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.pose.silhouette.silhouette import cut_out
-from lsc_pose_ros.training.body_parts.part_samples import PartImage
 from lsc_pose_ros.training.samples import select_joints
 
 

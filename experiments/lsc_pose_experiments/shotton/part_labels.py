@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.part_forest import NOT_A_PERSON
+from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS, default_edges
 from lsc_pose_ros.numerics.jit import kernel
 

@@ -25,17 +25,17 @@ from numpy.typing import NDArray
 from lsc_pose_experiments.sampled_frames import SampledFrame, decode_frames
 from lsc_pose_experiments.shotton.joint_proposals import ProposalSettings
 from lsc_pose_experiments.shotton.part_estimator import PartModel
+from lsc_pose_experiments.shotton.part_forest import PartForest
+from lsc_pose_experiments.shotton.part_forest_training import train_part_forest
 from lsc_pose_experiments.shotton.part_images import part_images
 from lsc_pose_experiments.shotton.part_pixels import PartPixels, classify_body, part_cloud
+from lsc_pose_experiments.shotton.part_samples import collect_samples
+from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth
 from lsc_pose_experiments.shotton.proposal_training import choose_settings
 from lsc_pose_ros.body_parts.depth_grid import FARTHEST
-from lsc_pose_ros.body_parts.part_forest import PartForest
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.image_arguments import ImageArguments
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.training.body_parts.part_samples import collect_samples
-from lsc_pose_ros.training.body_parts.part_training import train_part_forest
-from lsc_pose_ros.training.body_parts.part_tree_growth import PartGrowth
 from lsc_pose_ros.training.samples import select_joints
 
 

@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_experiments.shotton.part_forest import PartForest, classify
 from lsc_pose_experiments.shotton.part_images import body_image
 from lsc_pose_ros.body_parts.depth_grid import FARTHEST, depth_grid
-from lsc_pose_ros.body_parts.part_forest import PartForest, classify
 from lsc_pose_ros.camera.projection import back_project
 from lsc_pose_ros.data_types.image_arguments import ImageArguments
 from lsc_pose_ros.numerics.jit import kernel

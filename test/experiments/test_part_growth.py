@@ -18,20 +18,14 @@
 
 import numpy as np
 import pytest
-from plain.depth_comparison import comparison_twin
-
-from lsc_pose_ros.body_parts.depth_grid import depth_grid
-from lsc_pose_ros.body_parts.part_forest import CLASSES, NOT_A_PERSON, PartForest, classify
-from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.training.body_parts.part_samples import (
+from lsc_pose_experiments.shotton.part_forest import classify
+from lsc_pose_experiments.shotton.part_forest_training import train_part_forest
+from lsc_pose_experiments.shotton.part_samples import (
     PartImage,
     PartSamples,
     collect_samples,
-    join_samples,
 )
-from lsc_pose_ros.training.body_parts.part_training import train_part_forest
-from lsc_pose_ros.training.body_parts.part_tree_growth import (
+from lsc_pose_experiments.shotton.part_tree_growth import (
     PartGrowth,
     cells_of,
     compare_cells,
@@ -43,6 +37,12 @@ from lsc_pose_ros.training.body_parts.part_tree_growth import (
     n_log_n,
     partition,
 )
+from plain.depth_comparison import comparison_twin
+
+from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
+from lsc_pose_ros.body_parts.depth_grid import depth_grid
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.errors import InputError
 
 CAMERA = Intrinsics(100.0, 100.0, 79.5, 59.5)
 
@@ -81,7 +81,7 @@ def test_samples_have_the_class_of_their_cell(samples: PartSamples) -> None:
         row, column = samples.row[s], samples.column[s]
         assert samples.part[s] == image.parts[row, column]
         cell = samples.start[samples.image[s]] + row * 80 + column
-        assert samples.planes[0, cell] == round(float(image.depth[row, column]) * 1000) > 0
+        assert samples.depth[cell] == round(float(image.depth[row, column]) * 1000) > 0
     people = np.bincount(samples.image[samples.part != NOT_A_PERSON])
     others = np.bincount(samples.image[samples.part == NOT_A_PERSON])
     assert (people == 80).all()
@@ -98,43 +98,6 @@ def _unknown_in_parts(image: PartImage) -> int:
     return int(((image.parts > 0) & (image.depth == 0)).sum())
 
 
-def test_cells_that_an_earlier_forest_takes_for_people_are_drawn_more_often() -> None:
-    """Half of the cells without a person are drawn from the right half, the others evenly."""
-    image = an_image(3)
-    # The earlier forest compares a cell with one far to the right, which may be outside.
-    left, right = np.zeros((2, CLASSES), np.uint8)
-    left[NOT_A_PERSON], right[1] = 255, 255
-    forest = PartForest(
-        np.zeros(1, np.int32),
-        np.array([[1.2, 0, 0, 0, 2.0], [0] * 5, [0] * 5], np.float32),
-        np.zeros(3, np.uint8),
-        np.array([1, -1, -2], np.int32),
-        np.stack([left, right]),
-    )
-    grid = depth_grid(image.depth, CAMERA)
-    person = classify(grid, forest, 1, 6.0)[..., 1] == 1
-    samples = collect_samples([image], 0, 400, 6.0, 0, forest)
-    rest = (image.parts == 0) & (image.depth > 0)
-    taken = person[samples.row, samples.column]
-    assert len(taken) == 400
-    assert rest[samples.row, samples.column].all()
-    fraction = (person & rest).sum() / rest.sum()
-    assert 0.05 < fraction < 0.6
-    # 200 cells of these alone, and their fraction of 200 others; four standard errors.
-    expected = 200 + 200 * fraction
-    assert abs(taken.sum() - expected) < 4 * np.sqrt(200 * fraction * (1 - fraction))
-
-
-def test_collections_are_joined(samples: PartSamples) -> None:
-    first = collect_samples((an_image(seed) for seed in range(5)), 80, 60, 6.0, 0)
-    second = collect_samples((an_image(seed) for seed in range(5, 12)), 80, 60, 6.0, 1)
-    both = join_samples([first, second])
-    assert len(both.part) == len(first.part) + len(second.part)
-    np.testing.assert_array_equal(both.planes, samples.planes)
-    np.testing.assert_array_equal(both.start, samples.start)
-    assert both.image[len(first.part)] == 5
-
-
 def test_cells_are_compared_as_the_forest_compares_them(samples: PartSamples) -> None:
     rng = np.random.default_rng(1)
     members = np.arange(0, len(samples.part), 3)
@@ -144,11 +107,11 @@ def test_cells_are_compared_as_the_forest_compares_them(samples: PartSamples) ->
         split = rng.uniform(-0.6, 0.6, 5).astype(np.float32)
         if k % 2:
             split[2:4] = 0
-        compare_cells(samples.planes, 0, cells, split, values)
+        compare_cells(samples.depth, cells, split, values)
         wrong = 0
         for value, member in zip(values, members, strict=True):
             first = samples.start[samples.image[member]]
-            depth = samples.planes[0, first : first + 4800].reshape(60, 80) / 1000
+            depth = samples.depth[first : first + 4800].reshape(60, 80) / 1000
             twin = comparison_twin(
                 depth, samples.row[member], samples.column[member], split, CAMERA
             )
@@ -186,9 +149,8 @@ def test_the_entropy_is_that_of_its_equation() -> None:
 def test_the_gain_of_a_split_is_that_of_its_samples(samples: PartSamples) -> None:
     members = np.arange(len(samples.part))
     growth = PartGrowth(features=30, subset=10_000)
-    split, plane, gain = find_split(samples, members, growth, n_log_n(10_001))
-    assert plane == 0
-    left = partition(samples, members, split, plane)
+    split, gain = find_split(samples, members, growth, n_log_n(10_001))
+    left = partition(samples, members, split)
     parts = samples.part[members]
     both = entropy(parts[:left]) + entropy(parts[left:])
     assert 0 < left < len(parts)

@@ -14,13 +14,13 @@
 # limitations under the License.
 
 
-"""A forest that classifies the cells of a depth grid into body parts, or as no person.
+"""The forest of Shotton et al. that classifies the cells of a depth grid into body parts.
 
 J. Shotton et al., "Real-time human pose recognition in parts from single depth images", CVPR
 2011. Each split compares two depths (eq. 1): f(I, x) = d(x + u / d(x)) - d(x + v / d(x)); each
 leaf has a distribution over the classes, and that of the forest is the mean of its trees' (eq. 2).
-There, the background is removed beforehand. Here it is a class of its own. A split can also
-compare the values of another plane in place of depths (`context.py`).
+There, the background is removed beforehand. Here what is not a
+person is a class of its own.
 """
 
 from typing import NamedTuple
@@ -28,24 +28,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.body_parts.depth_grid import DepthGrid
-from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.numerics.jit import kernel
 
-NOT_A_PERSON = 0
-"""The class of everything that is not a person; class 1 + j is the part at joint number j."""
-
-CLASSES = 1 + len(JOINT_NAMES)
-"""The number of classes."""
-
 BEYOND = np.float32(10.0)
-"""The value of a cell that is unknown or outside of the image; metres for depth."""
+"""The depth of a cell that is unknown or outside of the image, metres."""
 
 SURE = np.float32(0.8)
 """If the first trees say "no person" with this probability, the others are not asked."""
-
-LIKELY = np.float32(0.5)
-"""Around cells that show a person with less than this probability, fewer cells are classified."""
 
 _FULL = np.float32(1.0 / 255.0)
 
@@ -55,9 +46,8 @@ class PartForest(NamedTuple):
 
     Attributes:
         roots: the first node of each tree, shape (T,), int32.
-        splits: u right, u down, v right, v down in metres, and the threshold in the plane's unit,
+        splits: u right, u down, v right, v down in metres, and the threshold in metres,
             shape (n, 5), float32. A cell with f below the threshold goes left.
-        plane: the plane whose values each split compares, 0 for depth, shape (n,), uint8.
         left: the left child of each node; the right child follows it. A leaf has -1 - its row in
             `leaves`. Shape (n,), int32.
         leaves: the probability of each class at each leaf times 255, shape (L, CLASSES), uint8.
@@ -65,7 +55,6 @@ class PartForest(NamedTuple):
 
     roots: NDArray[np.int32]
     splits: NDArray[np.float32]
-    plane: NDArray[np.uint8]
     left: NDArray[np.int32]
     leaves: NDArray[np.uint8]
 
@@ -88,65 +77,13 @@ def classify(
     depth = grid.depth[::stride, ::stride]
     wanted = (depth > 0) & (depth <= farthest)
     probabilities = np.zeros((*depth.shape, forest.leaves.shape[1]), np.float32)
-    classify_cells(grid.depth[None], grid.focal_lengths, forest, stride, wanted, probabilities)
+    classify_cells(grid.depth, grid.focal_lengths, forest, stride, wanted, probabilities)
     return probabilities
-
-
-def classify_likely(
-    grid: DepthGrid, forest: PartForest, stride: int, farthest: float
-) -> NDArray[np.float32]:
-    """Return probabilities like `classify`, but classify only every fourth cell in most places.
-
-    Every second row and column of the cells is classified first. Each other cell is classified
-    only if one of these around it shows a person with LIKELY, or if none of them has a depth;
-    else it is "no person".
-
-    Args:
-        grid: the depth grid.
-        forest: the forest.
-        stride: how many cells apart the classified ones are, along rows and columns.
-        farthest: cells at a larger depth are not classified, metres.
-    """
-    depth = grid.depth[::stride, ::stride]
-    usable = (depth > 0) & (depth <= farthest)
-    probabilities = np.zeros((*depth.shape, forest.leaves.shape[1]), np.float32)
-    first = np.zeros_like(usable)
-    first[::2, ::2] = usable[::2, ::2]
-    classify_cells(grid.depth[None], grid.focal_lengths, forest, stride, first, probabilities)
-    rest = usable & ~first
-    wanted = rest & near_likely_cells(first, probabilities)
-    classify_cells(grid.depth[None], grid.focal_lengths, forest, stride, wanted, probabilities)
-    probabilities[rest & ~wanted, NOT_A_PERSON] = 1
-    return probabilities
-
-
-@kernel
-def near_likely_cells(
-    first: NDArray[np.bool_], probabilities: NDArray[np.float32]
-) -> NDArray[np.bool_]:
-    """Return where one of the nearest `first` cells may show a person, or where there is none.
-
-    Args:
-        first: cells in every second row and column that are classified, shape (h, w).
-        probabilities: of each class at them, shape (h, w, CLASSES).
-    """
-    height, width = first.shape
-    near = np.zeros((height, width), np.bool_)
-    for i in range(height):
-        for j in range(width):
-            known = likely = False
-            for k in range(max(i - 1, 0), min(i + 2, height)):
-                for m in range(max(j - 1, 0), min(j + 2, width)):
-                    if first[k, m]:
-                        known = True
-                        likely = likely or probabilities[k, m, NOT_A_PERSON] <= 1 - LIKELY
-            near[i, j] = likely or not known
-    return near
 
 
 @kernel
 def classify_cells(
-    planes: NDArray[np.float32],
+    depth: NDArray[np.float32],
     focal_lengths: tuple[float, float],
     forest: PartForest,
     stride: int,
@@ -156,8 +93,7 @@ def classify_cells(
     """Classify some cells: the equation of `classify`.
 
     Args:
-        planes: the depth of the grid, and other values if the forest compares them, shape
-            (P, h, w); 0 if unknown.
+        depth: of the grid, 0 if unknown, shape (h, w).
         focal_lengths: of the grid.
         forest: the forest.
         stride: how many cells of the grid apart two cells of `wanted` are.
@@ -173,14 +109,14 @@ def classify_cells(
                 here = probabilities[i, j]
                 if not wanted[i, j] or (tree > 0 and here[NOT_A_PERSON] >= SURE):
                     continue
-                leaf = find_leaf(planes, focal_lengths, i * stride, j * stride, forest, root)
+                leaf = find_leaf(depth, focal_lengths, i * stride, j * stride, forest, root)
                 for c in range(here.shape[0]):
                     here[c] += share * (_FULL * np.float32(forest.leaves[leaf, c]) - here[c])
 
 
 @kernel
 def find_leaf(
-    planes: NDArray[np.float32],
+    depth: NDArray[np.float32],
     focal_lengths: tuple[float, float],
     row: int,
     column: int,
@@ -188,17 +124,16 @@ def find_leaf(
     root: int,
 ) -> int:
     """Return the leaf that a cell reaches in one tree: a row of `forest.leaves`."""
-    z = planes[0, row, column]
+    z = depth[row, column]
     across, down = np.float32(focal_lengths[0]) / z, np.float32(focal_lengths[1]) / z
     splits = forest.splits
     node = root
     left: int = forest.left[node]
     while left >= 0:
-        values = planes[forest.plane[node]]
         right_by, down_by = splits[node, 0] * across, splits[node, 1] * down
-        value = probe(values, row, column, down_by, right_by)
+        value = probe(depth, row, column, down_by, right_by)
         right_by, down_by = splits[node, 2] * across, splits[node, 3] * down
-        value -= probe(values, row, column, down_by, right_by)
+        value -= probe(depth, row, column, down_by, right_by)
         node = left + (value >= splits[node, 4])
         left = forest.left[node]
     return -1 - left
@@ -206,13 +141,13 @@ def find_leaf(
 
 @kernel
 def probe(
-    values: NDArray[np.float32], row: int, column: int, down: np.float32, across: np.float32
+    depth: NDArray[np.float32], row: int, column: int, down: np.float32, across: np.float32
 ) -> np.float32:
-    """Return the value at an offset from a cell, BEYOND if it is unknown or outside."""
+    """Return the depth at an offset from a cell, BEYOND if it is unknown or outside."""
     # Compared before conversion: a large offset does not fit into an integer.
     at_row, at_column = np.float32(row) + down + np.float32(0.5), np.float32(column) + across
     at_column += np.float32(0.5)
-    if not (0 <= at_row < values.shape[0] and 0 <= at_column < values.shape[1]):
+    if not (0 <= at_row < depth.shape[0] and 0 <= at_column < depth.shape[1]):
         return BEYOND
-    found = values[int(at_row), int(at_column)]
+    found = depth[int(at_row), int(at_column)]
     return found if found > 0 else BEYOND

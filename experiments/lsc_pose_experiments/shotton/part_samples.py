@@ -16,14 +16,14 @@
 
 """Samples for the training of the body-part forest: cells of depth grids and their classes."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.body_parts.depth_grid import DepthGrid, depth_grid
-from lsc_pose_ros.body_parts.part_forest import NOT_A_PERSON, PartForest, classify
 from lsc_pose_ros.data_types.camera import Intrinsics
 
 _MILLIMETRES = 1000.0
@@ -47,9 +47,8 @@ class PartSamples(NamedTuple):
     """S cells of I grids. The grids are stored one after the other, row by row.
 
     Attributes:
-        planes: the values of all grids: depth in millimetres in the first row, 0 if unknown, and
-            other values if there are any, shape (P, cells), uint16.
-        start: index of each grid's first cell in `planes`, shape (I,).
+        depth: of all cells, millimetres, 0 if unknown, shape (cells,), uint16.
+        start: index of each grid's first cell in `depth`, shape (I,).
         shape: rows and columns of each grid, shape (I, 2).
         focal_lengths: fx and fy of each grid in cells, shape (I, 2).
         image: the grid of each sample, shape (S,).
@@ -58,7 +57,7 @@ class PartSamples(NamedTuple):
         part: its class, shape (S,).
     """
 
-    planes: NDArray[np.uint16]
+    depth: NDArray[np.uint16]
     start: NDArray[np.int64]
     shape: NDArray[np.int64]
     focal_lengths: NDArray[np.float32]
@@ -74,7 +73,6 @@ def collect_samples(
     others: int,
     farthest: float,
     seed: int,
-    earlier: PartForest | None = None,
 ) -> PartSamples:
     """Draw samples from `images`.
 
@@ -84,8 +82,6 @@ def collect_samples(
         others: number of cells per image that show no person, likewise.
         farthest: cells at a larger depth are not drawn, metres.
         seed: of the random numbers.
-        earlier: half of the cells without a person are drawn with the probability that this
-            forest takes them for one, so that the next forest learns the difference.
     """
     random = np.random.default_rng(seed)
     grids: list[DepthGrid] = []
@@ -96,21 +92,18 @@ def collect_samples(
         parts = parts_of_cells(image.parts, grid.step)
         depth = grids[-1].depth
         usable = (depth > 0) & (depth <= farthest * _MILLIMETRES)
-        rest = usable & (parts == NOT_A_PERSON)
-        mistaken = None if earlier is None else _mistaken(grid, earlier, rest, farthest)
-        for chosen, wanted, weights in (
-            (usable & (parts != NOT_A_PERSON), people, None),
-            (rest, others if mistaken is None else others - others // 2, None),
-            (rest, 0 if mistaken is None else others // 2, mistaken),
+        for chosen, wanted in (
+            (usable & (parts != NOT_A_PERSON), people),
+            (usable & (parts == NOT_A_PERSON), others),
         ):
             found = np.argwhere(chosen).astype(np.int32)
-            found = found[_draw(len(found), wanted, weights, random)]
+            found = found[random.permutation(len(found))[:wanted]]
             part = parts[found[:, 0], found[:, 1]].astype(np.int32)
             cells.append(np.column_stack([np.full(len(found), number, np.int32), found, part]))
     columns = np.concatenate(cells).T if cells else np.zeros((4, 0), np.int32)
     sizes = np.array([grid.depth.size for grid in grids], np.int64)
     return PartSamples(
-        np.concatenate([grid.depth.ravel() for grid in grids]).astype(np.uint16)[None],
+        np.concatenate([grid.depth.ravel() for grid in grids]).astype(np.uint16),
         np.cumsum(sizes) - sizes,
         np.array([grid.depth.shape for grid in grids], np.int64),
         np.array([grid.focal_lengths for grid in grids], np.float32),
@@ -118,43 +111,6 @@ def collect_samples(
         np.ascontiguousarray(columns[1]),
         np.ascontiguousarray(columns[2]),
         columns[3].astype(np.uint8),
-    )
-
-
-def _mistaken(
-    grid: DepthGrid, forest: PartForest, cells: NDArray[np.bool_], farthest: float
-) -> NDArray[np.float64]:
-    """Return the probability of a person that a forest gives each of `cells`, shape (n,)."""
-    probabilities = classify(grid, forest, 1, farthest)[cells]
-    person: NDArray[np.float64] = probabilities[:, NOT_A_PERSON + 1 :].sum(axis=1, dtype=float)
-    return person
-
-
-def _draw(
-    count: int, wanted: int, weights: NDArray[np.float64] | None, random: np.random.Generator
-) -> NDArray[np.int64]:
-    """Return up to `wanted` different indices below `count`; those of weight 0 are not drawn."""
-    if weights is None:
-        return random.permutation(count)[:wanted]
-    # The largest of u^(1 / w) are a weighted sample (Efraimidis and Spirakis, 2006).
-    possible = np.flatnonzero(weights > 0)
-    keys = np.log(random.random(len(possible))) / weights[possible]
-    return possible[np.argsort(-keys)[:wanted]]
-
-
-def join_samples(parts: Sequence[PartSamples]) -> PartSamples:
-    """Return the samples of several collections as one, with the grids renumbered."""
-    cells = np.cumsum([0, *(each.planes.shape[1] for each in parts)])
-    images = np.cumsum([0, *(len(each.start) for each in parts)])
-    return PartSamples(
-        np.concatenate([each.planes for each in parts], axis=1),
-        np.concatenate([each.start + cells[k] for k, each in enumerate(parts)]),
-        np.concatenate([each.shape for each in parts]),
-        np.concatenate([each.focal_lengths for each in parts]),
-        np.concatenate([each.image + images[k] for k, each in enumerate(parts)]).astype(np.int32),
-        np.concatenate([each.row for each in parts]),
-        np.concatenate([each.column for each in parts]),
-        np.concatenate([each.part for each in parts]),
     )
 
 

@@ -22,9 +22,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.part_forest import BEYOND, CLASSES
+from lsc_pose_experiments.shotton.part_forest import BEYOND
+from lsc_pose_experiments.shotton.part_samples import PartSamples
+from lsc_pose_ros.body_parts.classes import CLASSES
 from lsc_pose_ros.numerics.jit import kernel
-from lsc_pose_ros.training.body_parts.part_samples import PartSamples
 
 _SMALLEST_OFFSET = 0.02  # metres
 
@@ -45,7 +46,6 @@ class PartGrowth(NamedTuple):
         thresholds: number of thresholds that are tried for each of them.
         subset: at a node with more samples, a random subset of this size chooses the split.
         reach: the largest offset, metres.
-        depth_fraction: the fraction of comparisons of depth, if there are other planes.
     """
 
     depth: int = 20
@@ -54,7 +54,6 @@ class PartGrowth(NamedTuple):
     thresholds: int = 10
     subset: int = 4000
     reach: float = 1.2
-    depth_fraction: float = 0.3
 
 
 class PartTree(NamedTuple):
@@ -62,13 +61,11 @@ class PartTree(NamedTuple):
 
     Attributes:
         splits: as in PartForest, shape (n, 5).
-        plane: as in PartForest, shape (n,).
         left: as in PartForest, shape (n,).
         leaves: the probability of each class at each leaf, shape (L, CLASSES).
     """
 
     splits: NDArray[np.float32]
-    plane: NDArray[np.uint8]
     left: NDArray[np.int32]
     leaves: NDArray[np.float32]
 
@@ -86,8 +83,7 @@ def grow_part_tree(samples: PartSamples, growth: PartGrowth, seed: int) -> PartT
     count = samples.part.shape[0]
     order = np.arange(count)
     most = 2 * (count // max(growth.leaf_samples, 1)) + 1
-    splits, planes = np.zeros((most, 5), np.float32), np.zeros(most, np.uint8)
-    left = np.zeros(most, np.int32)
+    splits, left = np.zeros((most, 5), np.float32), np.zeros(most, np.int32)
     leaves = np.zeros((most // 2 + 1, CLASSES), np.float32)
     # Nodes that wait for their split: node, first and last member, depth.
     waiting = np.zeros((growth.depth + 2, 4), np.int64)
@@ -100,12 +96,11 @@ def grow_part_tree(samples: PartSamples, growth: PartGrowth, seed: int) -> PartT
         members = order[first:last]
         middle = first
         if level < growth.depth and last - first >= 2 * growth.leaf_samples:
-            split, plane, gain = find_split(samples, members, growth, logarithms)
+            split, gain = find_split(samples, members, growth, logarithms)
             if gain > 0:
-                middle = first + partition(samples, members, split, plane)
+                middle = first + partition(samples, members, split)
             if min(middle - first, last - middle) >= growth.leaf_samples:
-                splits[node], planes[node] = split, plane
-                left[node] = nodes
+                splits[node], left[node] = split, nodes
                 waiting[pending] = nodes + 1, middle, last, level + 1
                 waiting[pending + 1] = nodes, first, middle, level + 1
                 pending += 2
@@ -115,9 +110,7 @@ def grow_part_tree(samples: PartSamples, growth: PartGrowth, seed: int) -> PartT
         for member in members:
             leaves[leaf, samples.part[member]] += np.float32(1.0 / max(last - first, 1))
         leaf += 1
-    return PartTree(
-        splits[:nodes].copy(), planes[:nodes].copy(), left[:nodes].copy(), leaves[:leaf].copy()
-    )
+    return PartTree(splits[:nodes].copy(), left[:nodes].copy(), leaves[:leaf].copy())
 
 
 @kernel
@@ -135,8 +128,8 @@ def find_split(
     members: NDArray[np.int64],
     growth: PartGrowth,
     logarithms: NDArray[np.float64],
-) -> tuple[NDArray[np.float32], int, float]:
-    """Return the best of random splits: offsets and threshold, its plane, and its gain in bits.
+) -> tuple[NDArray[np.float32], float]:
+    """Return the best of random splits: offsets and threshold, and its gain in bits.
 
     The gain is |S| H(S) - |S_l| H(S_l) - |S_r| H(S_r) with the entropy H of the classes.
 
@@ -153,13 +146,12 @@ def find_split(
     for part in cells.part:
         total[part] += 1
     before = entropy_times_count(total, logarithms)
-    best, best_plane, best_gain = np.zeros(5, np.float32), 0, LEAST_GAIN
+    best, best_gain = np.zeros(5, np.float32), LEAST_GAIN
     split = np.zeros(5, np.float32)
     thresholds = np.empty(growth.thresholds, np.float32)
     for _ in range(growth.features):
         draw_offsets(split, growth.reach)
-        plane = draw_plane(samples.planes.shape[0], growth.depth_fraction)
-        compare_cells(samples.planes, plane, cells, split, values)
+        compare_cells(samples.depth, cells, split, values)
         for t in range(growth.thresholds):
             drawn = values[np.random.randint(values.shape[0])]  # noqa: NPY002
             thresholds[t] = drawn - HALF_MILLIMETRE
@@ -174,8 +166,8 @@ def find_split(
             if before - after > best_gain:
                 best[:] = split
                 best[4] = thresholds[t]
-                best_plane, best_gain = plane, before - after
-    return best, best_plane, best_gain if best_gain > LEAST_GAIN else 0.0
+                best_gain = before - after
+    return best, best_gain if best_gain > LEAST_GAIN else 0.0
 
 
 @kernel
@@ -206,19 +198,11 @@ def draw_offsets(split: NDArray[np.float32], reach: float) -> None:
         split[2] = split[3] = np.float32(0)
 
 
-@kernel
-def draw_plane(count: int, depth_fraction: float) -> int:
-    """Draw one of `count` planes: depth with `depth_fraction`, the others equally often."""
-    if count == 1 or np.random.random() < depth_fraction:  # noqa: NPY002
-        return 0
-    return 1 + np.random.randint(count - 1)  # noqa: NPY002
-
-
 class Cells(NamedTuple):
     """The cells of n samples, copied for the many depth comparisons at a node.
 
     Attributes:
-        first: index of the first cell of each sample's grid in `PartSamples.planes`.
+        first: index of the first cell of each sample's grid in `PartSamples.depth`.
         rows, columns: the shape of the grid.
         row, column: the sample's cell, plus 0.5.
         across, down: cells per metre along a row and a column, at the depth of the cell.
@@ -250,7 +234,7 @@ def cells_of(samples: PartSamples, members: NDArray[np.int64]) -> Cells:
         first[k], part[k] = samples.start[image], samples.part[member]
         rows[k], columns[k] = samples.shape[image, 0], samples.shape[image, 1]
         cell = first[k] + samples.row[member] * columns[k] + samples.column[member]
-        z[k] = np.float32(samples.planes[0, cell]) * np.float32(0.001)
+        z[k] = np.float32(samples.depth[cell]) * np.float32(0.001)
         row[k] = np.float32(samples.row[member]) + np.float32(0.5)
         column[k] = np.float32(samples.column[member]) + np.float32(0.5)
         across[k] = samples.focal_lengths[image, 0] / z[k]
@@ -260,13 +244,12 @@ def cells_of(samples: PartSamples, members: NDArray[np.int64]) -> Cells:
 
 @kernel
 def compare_cells(
-    planes: NDArray[np.uint16],
-    plane: int,
+    depth: NDArray[np.uint16],
     cells: Cells,
     split: NDArray[np.float32],
     values: NDArray[np.float32],
 ) -> None:
-    """Compute the comparison of each cell in one plane (eq. 1) into `values`."""
+    """Compute the depth comparison of each cell (eq. 1) into `values`."""
     u_across, u_down, v_across, v_down = split[0], split[1], split[2], split[3]
     alone = v_across == 0 and v_down == 0
     for k in range(values.shape[0]):
@@ -275,16 +258,16 @@ def compare_cells(
         column = cells.column[k] + u_across * cells.across[k]
         value = BEYOND
         if 0 <= row < rows and 0 <= column < columns:
-            found = planes[plane, first + int(row) * columns + int(column)]
+            found = depth[first + int(row) * columns + int(column)]
             value = np.float32(found) * np.float32(0.001) if found > 0 else BEYOND
-        if alone and plane == 0:
+        if alone:
             other = cells.z[k]
         else:
             row = cells.row[k] + v_down * cells.down[k]
             column = cells.column[k] + v_across * cells.across[k]
             other = BEYOND
             if 0 <= row < rows and 0 <= column < columns:
-                found = planes[plane, first + int(row) * columns + int(column)]
+                found = depth[first + int(row) * columns + int(column)]
                 other = np.float32(found) * np.float32(0.001) if found > 0 else BEYOND
         values[k] = value - other
 
@@ -339,13 +322,11 @@ def entropy_of_both(
 
 
 @kernel
-def partition(
-    samples: PartSamples, members: NDArray[np.int64], split: NDArray[np.float32], plane: int
-) -> int:
+def partition(samples: PartSamples, members: NDArray[np.int64], split: NDArray[np.float32]) -> int:
     """Move the members that go left to the front, in place; return their number."""
     right = np.empty_like(members)
     values = np.empty(members.shape[0], np.float32)
-    compare_cells(samples.planes, plane, cells_of(samples, members), split, values)
+    compare_cells(samples.depth, cells_of(samples, members), split, values)
     below, above = 0, 0
     for n in range(members.shape[0]):
         member = members[n]

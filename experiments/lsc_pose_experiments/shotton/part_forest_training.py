@@ -21,10 +21,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from lsc_pose_ros.body_parts.part_forest import PartForest
+from lsc_pose_experiments.shotton.part_forest import PartForest
+from lsc_pose_experiments.shotton.part_samples import PartSamples
+from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth, PartTree, grow_part_tree
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.training.body_parts.part_samples import PartSamples
-from lsc_pose_ros.training.body_parts.part_tree_growth import PartGrowth, PartTree, grow_part_tree
 
 _BYTE = 255
 
@@ -69,7 +69,6 @@ def join_part_trees(trees: list[PartTree]) -> PartForest:
     return PartForest(
         nodes[:-1].astype(np.int32),
         np.concatenate([tree.splits for tree in trees]),
-        np.concatenate([tree.plane for tree in trees]),
         np.concatenate(left).astype(np.int32),
         np.rint(np.concatenate([tree.leaves for tree in trees]) * _BYTE).astype(np.uint8),
     )

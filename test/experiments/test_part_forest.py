@@ -14,20 +14,15 @@
 # limitations under the License.
 
 
-"""The coarse grid and the body-part forest, against plain numpy and their equations."""
+"""The body-part forest, against plain numpy and its equations."""
 
 import numpy as np
 import pytest
+from lsc_pose_experiments.shotton.part_forest import SURE, PartForest, classify
 from plain.depth_comparison import comparison_twin
 
-from lsc_pose_ros.body_parts.depth_grid import FARTHEST, depth_grid, grid_step, reduce_depth
-from lsc_pose_ros.body_parts.part_forest import (
-    CLASSES,
-    NOT_A_PERSON,
-    SURE,
-    PartForest,
-    classify,
-)
+from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
+from lsc_pose_ros.body_parts.depth_grid import depth_grid
 from lsc_pose_ros.data_types.camera import Intrinsics
 
 CAMERA = Intrinsics(140.0, 150.0, 79.5, 59.5)
@@ -55,34 +50,8 @@ def random_forest(seed: int, trees: int = 3) -> PartForest:
     )
     leaves = rng.integers(0, 256, (4 * trees, CLASSES)).astype(np.uint8)
     leaves[::3, NOT_A_PERSON] = 250
-    roots, plane = np.arange(trees, dtype=np.int32) * 7, np.zeros(len(splits), np.uint8)
-    return PartForest(roots, splits, plane, left.astype(np.int32), leaves)
-
-
-@pytest.mark.parametrize('step', [1, 2, 3, 4])
-@pytest.mark.parametrize('seed', range(3))
-def test_a_cell_shows_its_middle_pixel_or_the_first_with_a_depth(step: int, seed: int) -> None:
-    depth = random_depth(seed)
-    reduced = reduce_depth(depth, step)
-    assert reduced.shape == (30 // step, 41 // step)
-    for i, j in np.ndindex(reduced.shape):
-        block = depth[i * step : (i + 1) * step, j * step : (j + 1) * step]
-        candidates = [block[step // 2, step // 2], *block.ravel()]
-        known = [value for value in candidates if 0 < value < FARTHEST]
-        assert reduced[i, j] == (known[0] if known else 0)
-
-
-def test_images_of_all_sizes_have_about_as_many_cells() -> None:
-    for width in (160, 176, 320, 512, 640, 1280):
-        assert 120 <= width // grid_step(width) <= 240
-    assert grid_step(16) == 1
-
-
-def test_a_grid_has_the_focal_lengths_of_its_cells() -> None:
-    grid = depth_grid(np.ones((480, 640), np.float32), Intrinsics(520.0, 530.0, 320.0, 240.0))
-    assert grid.step == 4
-    assert grid.depth.shape == (120, 160)
-    assert grid.focal_lengths == (130.0, 132.5)
+    roots = np.arange(trees, dtype=np.int32) * 7
+    return PartForest(roots, splits, left.astype(np.int32), leaves)
 
 
 @pytest.mark.parametrize('stride', [1, 2, 3])

@@ -14,4 +14,12 @@
 # limitations under the License.
 
 
-"""Training of the forest that classifies body parts."""
+"""The classes of what a pixel shows: the part of a person, or no person."""
+
+from lsc_pose_ros.data_types.joints import JOINT_NAMES
+
+NOT_A_PERSON = 0
+"""The class of everything that is not a person; class 1 + j is the part at joint number j."""
+
+CLASSES = 1 + len(JOINT_NAMES)
+"""The number of classes."""
