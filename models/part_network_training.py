@@ -175,7 +175,9 @@ def _batches(
     for step in range(first, steps):
         random = np.random.default_rng([seed, step])
         chosen = random.integers(len(images), size=plan.batch).tolist()
-        yield [draw_example(*images[number], random) for number in chosen]
+        yield [
+            draw_example(each, index, random) for each, index in map(images.__getitem__, chosen)
+        ]
 
 
 def _loss(network: TorchNetwork, examples: list[Example]) -> Tensor:

@@ -140,11 +140,10 @@ def leave_out(
 @kernel
 def is_beside(first: NDArray[np.int64], second: NDArray[np.int64]) -> bool:
     """Return whether two cubes are the same or have a corner in common."""
-    return (
-        abs(first[0] - second[0]) <= 1
-        and abs(first[1] - second[1]) <= 1
-        and abs(first[2] - second[2]) <= 1
-    )
+    apart = 0
+    for k in range(3):
+        apart = max(apart, abs(first[k] - second[k]))
+    return apart <= 1
 
 
 @kernel
