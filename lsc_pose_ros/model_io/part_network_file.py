@@ -27,12 +27,16 @@ from numpy.typing import NDArray
 from lsc_pose_ros.body_parts.part_network import INPUTS, OUTPUTS, Layer, PartNetwork
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import archive
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.model_io.model_file import check_sizes, read_array
 from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.resources.package_files import resource
 
 FORMAT = 'lsc_pose_ros body parts'
 VERSION = 3
+
+PART_NETWORK = archive('a network of body parts', 'header.npy', FORMAT.encode())
 
 MOST_PLANES = 256
 """A layer with more planes would take too long."""
@@ -91,34 +95,22 @@ class PartNetworkFile(NamedTuple):
 def save_part_network(
     path: str | os.PathLike[str], network: PartNetwork, provenance: dict[str, str]
 ) -> None:
-    """Write a network to `path`: beside it first, so that an older file is never half replaced.
+    """Write a network to `path`.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file cannot be written, or another kind of file is there.
     """
-    target = Path(path)
-    partial = target.with_name(f'.{target.name}.{os.getpid()}.part')
     header = {
         'format': FORMAT,
         'version': VERSION,
         'classes': ['no person', *JOINT_NAMES],
         'provenance': provenance,
     }
-    arrays: dict[str, Any] = {
-        f'{name}_{part}': np.asarray(value, np.float32)
-        for name, layer in network._asdict().items()
-        for part, value in layer._asdict().items()
-    }
-    try:
-        with partial.open('wb') as file:
-            text = np.frombuffer(json.dumps(header).encode(), np.uint8)
-            np.savez_compressed(file, header=text, **arrays)
-        partial.replace(target)
-    except OSError as error:
-        msg = f'cannot write the body-part network {target}: {error.strerror or error}'
-        raise InputError(msg) from error
-    finally:
-        partial.unlink(missing_ok=True)
+    arrays: dict[str, Any] = {'header': np.frombuffer(json.dumps(header).encode(), np.uint8)}
+    for name, layer in network._asdict().items():
+        for part, value in layer._asdict().items():
+            arrays[f'{name}_{part}'] = np.asarray(value, np.float32)
+    write_output(Path(path), PART_NETWORK, lambda file: np.savez_compressed(file, **arrays))
 
 
 def load_part_network(path: str | os.PathLike[str] | None = None) -> PartNetworkFile:
@@ -143,7 +135,7 @@ def load_part_network(path: str | os.PathLike[str] | None = None) -> PartNetwork
         raise InputError(msg) from error
     except Exception as error:  # a damaged file makes numpy raise errors of many types
         why = str(error) or type(error).__name__
-        msg = f'{source} is not a usable body-part network ({why})'
+        msg = f'{source} is not a usable body-part network ({why:.200})'
         raise InputError(msg) from error
     return PartNetworkFile(network, provenance)
 

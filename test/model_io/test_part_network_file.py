@@ -174,5 +174,5 @@ def test_a_file_that_is_missing_or_damaged_is_refused(tmp_path: Path) -> None:
 
 
 def test_an_older_network_stays_if_the_new_one_cannot_be_written(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match='cannot write the body-part network'):
+    with pytest.raises(InputError, match='does not exist; create it first'):
         save_part_network(tmp_path / 'missing' / 'parts.npz', a_network(), {})
