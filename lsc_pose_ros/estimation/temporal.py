@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.estimation.person_history import PersonHistory
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.inference.confidence import body_confidence
 from lsc_pose_ros.pose.inference.stature import statures
@@ -70,6 +71,7 @@ class TemporalEstimator:
         self._newest: int | None = None
         self._tracker = Tracker()
         self._filter = OneEuroBodies()
+        self._history = PersonHistory()
 
     def estimate(
         self,
@@ -96,7 +98,15 @@ class TemporalEstimator:
         Raises:
             InputError: as `Estimator.estimate`.
         """
-        skeletons, beyond = self.estimator.estimate_largest(depth, labels, camera, observer)
+        if self._is_earlier(stamp):
+            self.reset()
+        memory = None
+        if self.settings.temporal:
+            memory = self._history
+            memory.begin(stamp, depth, labels, camera)
+        skeletons, beyond = self.estimator.estimate_largest(
+            depth, labels, camera, observer, memory
+        )
         self.beyond_maximum += beyond
         return self.follow(stamp, skeletons, from_mask=from_mask)
 
@@ -110,7 +120,7 @@ class TemporalEstimator:
             skeletons: the estimate of a frame.
             from_mask: whether the numbers of the bodies are those of a mask image.
         """
-        if self._newest is not None and stamp < self._newest - REWIND_NS:
+        if self._is_earlier(stamp):
             self.reset()
         self._newest = stamp if self._newest is None else max(stamp, self._newest)
         settings = self.settings
@@ -121,6 +131,10 @@ class TemporalEstimator:
             smoothing = OneEuroSettings(settings.smoothing_cutoff, settings.smoothing_beta)
             skeletons = self._filter.filter(stamp, skeletons, smoothing)
         return without_hidden(skeletons) if settings.hidden_joints == NO_POSITION else skeletons
+
+    def _is_earlier(self, stamp: int) -> bool:
+        """Return whether the stamps have gone back."""
+        return self._newest is not None and stamp < self._newest - REWIND_NS
 
     def _without_doubtful(self, skeletons: Skeletons) -> Skeletons:
         certain = body_confidence(skeletons.confidence) >= self.settings.minimum_body_confidence

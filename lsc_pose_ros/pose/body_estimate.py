@@ -21,8 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.pose.forest.body_yaw_tracking import BodyYawBelief
 from lsc_pose_ros.pose.forest.votes import Votes
 from lsc_pose_ros.pose.inference.candidates import Candidates
+from lsc_pose_ros.pose.inference.past import Past
 from lsc_pose_ros.pose.inference.truncation import Cuts
 from lsc_pose_ros.pose.silhouette.preprocessing import Window
 from lsc_pose_ros.pose.silhouette.silhouette import Silhouette
@@ -40,6 +42,7 @@ class BodyEstimate:
         labels: the body number of each pixel, NO_BODY for none, shape (H, W).
         camera: the intrinsics.
         number: the body's number in `labels`.
+        past: what the frames before say of the person; None for nothing.
         window: the body, cut out of the image.
         cuts: where the body is cut off, or hidden by something nearer.
         silhouette: its silhouette (eq. 1, 2).
@@ -47,6 +50,8 @@ class BodyEstimate:
         queries: the indices of the silhouette's points that vote, shape (Q,).
         points: the points that vote, metres, shape (Q, 3).
         quantised: their quantised descriptors, shape (Q, F) (eq. 3, 4).
+        body_yaw: what is known of the body yaw after this frame; None if the trees do not split by
+            it.
         leaves: the leaf that each of them reaches in each tree, shape (Q, T).
         joint_votes: the votes for each joint (eq. 13).
         pair_votes: the votes for each edge.
@@ -61,6 +66,7 @@ class BodyEstimate:
     labels: NDArray[np.int32] = field(init=False)
     camera: Intrinsics = field(init=False)
     number: int = field(init=False)
+    past: Past | None = field(init=False)
     window: Window = field(init=False)
     cuts: Cuts = field(init=False)
     silhouette: Silhouette = field(init=False)
@@ -68,6 +74,7 @@ class BodyEstimate:
     queries: NDArray[np.int64] = field(init=False)
     points: NDArray[np.float32] = field(init=False)
     quantised: NDArray[np.uint8] = field(init=False)
+    body_yaw: BodyYawBelief | None = field(init=False)
     leaves: NDArray[np.int32] = field(init=False)
     joint_votes: Votes = field(init=False)
     pair_votes: Votes = field(init=False)
@@ -84,10 +91,12 @@ class BodyEstimate:
         labels: NDArray[np.int32],
         camera: Intrinsics,
         number: int,
+        past: Past | None = None,
     ) -> 'BodyEstimate':
         """Return a body for the first stage; the attributes are the arguments."""
         body = cls()
         body.depth, body.labels, body.camera, body.number = depth, labels, camera, number
+        body.past = past
         return body
 
     @classmethod
@@ -97,4 +106,5 @@ class BodyEstimate:
         """Return a body for `joint_stages`; the attributes are the arguments."""
         body = cls()
         body.points, body.quantised, body.scale = points, quantised, scale
+        body.past = None
         return body

@@ -16,6 +16,7 @@
 """Estimates the joints of each body in a depth image with one model."""
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,22 @@ from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
+from lsc_pose_ros.pose.inference.past import Past
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.stages import Observer, Stage, method_stages, run_stages
 
 FARTHEST = 100.0
 """No depth camera measures people at a larger distance, metres."""
+
+
+class Memory(Protocol):
+    """Knows the people of the frames before."""
+
+    def recall(self, number: int) -> Past | None:
+        """Return what is expected of a body of this frame; None if nothing is."""
+
+    def remember(self, body: BodyEstimate) -> None:
+        """Keep the estimate of a body of this frame."""
 
 
 class Estimator:
@@ -110,10 +122,18 @@ class Estimator:
         labels: NDArray[np.signedinteger],
         camera: Intrinsics,
         observer: Observer | None = None,
+        memory: Memory | None = None,
     ) -> tuple[Skeletons, int]:
         """Return what `estimate` returns, and how many bodies are beyond `maximum_bodies`.
 
-        Arguments and exceptions as `estimate`.
+        Arguments and exceptions as `estimate`; besides:
+
+        Args:
+            depth: as `estimate`.
+            labels: as `estimate`.
+            camera: as `estimate`.
+            observer: as `estimate`.
+            memory: what the frames before say of each body; None for nothing.
         """
         images = check_images(depth, labels, camera)
         bodies, beyond = largest_bodies(images.labels, self.maximum_bodies)
@@ -122,7 +142,10 @@ class Estimator:
         positions = np.full((len(bodies), count, 3), np.nan, np.float32)
         confidence = np.zeros((len(bodies), count), np.float32)
         for row, number in enumerate(bodies):
-            body = self._estimate_body(images, int(number), observer)
+            past = None if memory is None else memory.recall(int(number))
+            body = self._estimate_body(images, int(number), observer, past)
+            if memory is not None and body is not None:
+                memory.remember(body)
             if body is not None:
                 positions[row] = body.joints
                 confidence[row] = body.confidence
@@ -152,9 +175,13 @@ class Estimator:
         return self._estimate_body(check_images(depth, labels, camera), number, observer)
 
     def _estimate_body(
-        self, images: ImageArguments, number: int, observer: Observer | None
+        self,
+        images: ImageArguments,
+        number: int,
+        observer: Observer | None,
+        past: Past | None = None,
     ) -> BodyEstimate | None:
-        body = BodyEstimate.in_image(*images, number)
+        body = BodyEstimate.in_image(*images, number, past)
         return body if run_stages(self.stages, body, observer) else None
 
 

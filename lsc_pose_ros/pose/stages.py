@@ -43,11 +43,12 @@ from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.features.point_features import describe_points
 from lsc_pose_ros.pose.features.unit_of_length import unit_of_length
 from lsc_pose_ros.pose.forest.body_yaw import with_body_yaw
-from lsc_pose_ros.pose.forest.body_yaw_search import find_body_yaw
+from lsc_pose_ros.pose.forest.body_yaw_tracking import follow_body_yaw
 from lsc_pose_ros.pose.forest.forest import find_leaves
 from lsc_pose_ros.pose.forest.votes import VoteSettings, gather_votes
 from lsc_pose_ros.pose.inference.candidates import find_candidates, highest_modes, positions_of
 from lsc_pose_ros.pose.inference.confidence import confidence_in
+from lsc_pose_ros.pose.inference.past import contradicts, log_pasts
 from lsc_pose_ros.pose.inference.pictorial_structure import Structure, ascend, best_candidates
 from lsc_pose_ros.pose.inference.truncation import find_cuts, truncation_factor
 from lsc_pose_ros.pose.model import Model
@@ -209,10 +210,14 @@ def _describe_points(settings: Settings, body: BodyEstimate) -> None:
 
 
 def _find_leaves(model: Model, body: BodyEstimate) -> None:
-    quantised = body.quantised
+    quantised, body.body_yaw = body.quantised, None
     if model.settings.body_yaws:
-        body_yaw = find_body_yaw(model, body.points, quantised, body.scale)
-        quantised = with_body_yaw(quantised, body_yaw)
+        before = None if body.past is None else body.past.body_yaw
+        all_round = body.past is None or body.past.all_round
+        body.body_yaw = follow_body_yaw(
+            model, body.points, quantised, body.scale, before, all_round=all_round
+        )
+        quantised = with_body_yaw(quantised, body.body_yaw.yaw)
     body.leaves = find_leaves(model.forest, quantised)
 
 
@@ -232,11 +237,17 @@ def _find_modes(model: Model, body: BodyEstimate) -> None:
     )
     body.unary = highest_modes(body.candidates)
     body.joints = body.unary
+    if body.past is not None and contradicts(body.past, body.unary):
+        body.past = None
+        _find_leaves(model, body)
+        _gather_votes(model, body)
+        _find_modes(model, body)
 
 
 def _solve_graph(structure: Structure, body: BodyEstimate) -> None:
     joint_votes, pair_votes = body.joint_votes, body.pair_votes
-    which = best_candidates(structure, joint_votes, pair_votes, body.candidates)
+    priors = log_pasts(body.past, body.candidates)
+    which = best_candidates(structure, joint_votes, pair_votes, body.candidates, priors)
     body.chosen = positions_of(body.candidates, which)
     body.joints = ascend(structure, joint_votes, pair_votes, body.chosen)
 

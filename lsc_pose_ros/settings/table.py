@@ -270,6 +270,14 @@ class TemporalSettings:
         },
         change=Change.ANY_TIME,
     )
+    temporal: bool = setting(
+        default=True,
+        description='Estimate a person with what the frames before say of the person.',
+        change=Change.ANY_TIME,
+        details='Joints that a frame does not show clearly are chosen near where they were, and '
+        'the direction in which a person faces is followed. A frame that clearly says otherwise '
+        'wins, and nothing is expected after a gap of half a second.',
+    )
     smoothing: bool = setting(
         default=False,
         description='Smooth the joints over time with a One-Euro filter.',

@@ -30,7 +30,7 @@ from lsc_pose_ros.tracking.tracker import Tracker
 
 FRAME = 33_000_000
 START = 1_700_000_000 * 10**9
-EVERYBODY = TemporalSettings(minimum_body_confidence=0.0, minimum_stature=0.0)
+EVERYBODY = TemporalSettings(minimum_body_confidence=0.0, minimum_stature=0.0, temporal=False)
 SMOOTHED = replace(EVERYBODY, smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
 BOTH = replace(SMOOTHED, body_ids=TRACKED)
 
@@ -41,7 +41,7 @@ class Script:
     def __init__(self, answers):
         self.answers = iter(answers)
 
-    def estimate_largest(self, _depth, _labels, _camera, _observer):
+    def estimate_largest(self, _depth, _labels, _camera, _observer, _memory=None):
         return next(self.answers), 0
 
 
@@ -140,7 +140,7 @@ def test_settings_and_estimator_change_while_it_runs(answers):
     assert_same([first], [answers[5]])  # the filter knows nothing yet
     assert not np.array_equal(second.positions, answers[6].positions, equal_nan=True)
     temporal_estimator.estimator = cast('Any', Script(answers))
-    temporal_estimator.settings = TemporalSettings()
+    temporal_estimator.settings = TemporalSettings(temporal=False)
     assert_same(run(temporal_estimator, 3, START + 7 * FRAME), answers[:3])
 
 
@@ -171,7 +171,9 @@ def test_a_body_without_any_estimate_is_kept(answers):
     nobody = answers[0]._replace(
         positions=np.full((2, 3, 3), np.nan, np.float32), confidence=np.zeros((2, 3), np.float32)
     )
-    estimator = TemporalEstimator(Script([nobody]), TemporalSettings(minimum_body_confidence=0.5))
+    estimator = TemporalEstimator(
+        Script([nobody]), TemporalSettings(minimum_body_confidence=0.5, temporal=False)
+    )
     assert_same(run(estimator, 1), [nobody])
 
 

@@ -60,18 +60,53 @@ def find_body_yaw(
         scale: rho_bar, metres.
     """
     body_yaws = body_yaws_around(model.settings.body_yaws)
+    rough = agreements(model, *few_points(points, quantised), scale, body_yaws)
+    best = choose_body_yaw(model, points, quantised, scale, rough)
+    return float(body_yaws[best] + peak_beside(rough, best) * 2 * np.pi / len(body_yaws))
+
+
+def few_points(
+    points: NDArray[np.float32], quantised: NDArray[np.uint8]
+) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
+    """Return some of the points and their descriptors, to try body yaws with."""
     few = choose_uniformly(len(points), _FEW_POINTS)
-    some_points, some_quantised = points[few], quantised[few]
-    rough = np.array(
-        [agreement_on(model, some_points, some_quantised, scale, each) for each in body_yaws]
-    )
+    return points[few], quantised[few]
+
+
+def agreements(
+    model: Model,
+    points: NDArray[np.float32],
+    quantised: NDArray[np.uint8],
+    scale: float,
+    body_yaws: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return `agreement_on` of each body yaw."""
+    return np.array([agreement_on(model, points, quantised, scale, each) for each in body_yaws])
+
+
+def choose_body_yaw(
+    model: Model,
+    points: NDArray[np.float32],
+    quantised: NDArray[np.uint8],
+    scale: float,
+    rough: NDArray[np.float64],
+) -> int:
+    """Return the index of the best body yaw; all points decide between those that are nearly so.
+
+    Args:
+        model: as `find_body_yaw`.
+        points: as `find_body_yaw`.
+        quantised: as `find_body_yaw`.
+        scale: as `find_body_yaw`.
+        rough: the agreement on each of the model's body yaws with few points.
+    """
+    body_yaws = body_yaws_around(len(rough))
     shortlist = np.argsort(-rough)[:_SHORTLIST]
     shortlist = shortlist[rough[shortlist] >= _NEARLY_BEST * rough.max()]
-    best = int(shortlist[0])
-    if len(shortlist) > 1:
-        exact = [agreement_on(model, points, quantised, scale, body_yaws[n]) for n in shortlist]
-        best = int(shortlist[np.argmax(exact)])
-    return float(body_yaws[best] + peak_beside(rough, best) * 2 * np.pi / len(body_yaws))
+    if len(shortlist) == 1:
+        return int(shortlist[0])
+    exact = agreements(model, points, quantised, scale, body_yaws[shortlist])
+    return int(shortlist[np.argmax(exact)])
 
 
 def peak_beside(values: NDArray[np.float64], index: int) -> float:

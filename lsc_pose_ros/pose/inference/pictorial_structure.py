@@ -107,7 +107,11 @@ def log_legs(structure: Structure, left: Position, right: Position) -> float:
 
 @kernel
 def best_candidates(
-    structure: Structure, joints: Votes, pairs: Votes, candidates: Candidates
+    structure: Structure,
+    joints: Votes,
+    pairs: Votes,
+    candidates: Candidates,
+    priors: NDArray[np.float64],
 ) -> NDArray[np.int64]:
     """Return the index of each joint's best candidate, shape (J,): eq. 16 and log_legs, exactly.
 
@@ -121,8 +125,9 @@ def best_candidates(
         joints: the votes for each joint.
         pairs: the votes for each edge.
         candidates: the modes of each joint's density.
+        priors: the logarithm of what is known of each candidate otherwise, shape (J, K).
     """
-    joint_scores = _joint_scores(structure, joints, candidates)
+    joint_scores = _joint_scores(structure, joints, candidates) + priors
     pair_scores = _pair_scores(structure, pairs, candidates)
     chosen = _best_in_trees(structure.edges, joint_scores, pair_scores, candidates.counts)
     if not _any_close_legs(structure, candidates, chosen):

@@ -39,6 +39,10 @@ FLOOR = 1e-6
 CROWDED = 5.0
 
 
+def no_priors(candidates: Candidates) -> np.ndarray:
+    return np.zeros(candidates.positions.shape[:2])
+
+
 def gather_votes(start: list[int], position: np.ndarray, weight: np.ndarray) -> Votes:
     columns = np.ascontiguousarray(position.T.astype(np.float32))
     return Votes(np.array(start), VoteCloud(*columns, weight.astype(np.float32)))
@@ -113,7 +117,7 @@ def test_choice_is_the_best_of_all_combinations(
     structure, joints, pairs, candidates = problem(
         seed, empty_joint=empty[0], empty_edge=empty[1], legs=legs
     )
-    chosen = best_candidates(structure, joints, pairs, candidates)
+    chosen = best_candidates(structure, joints, pairs, candidates, no_priors(candidates))
 
     def score(which: tuple[int, ...]) -> float:
         positions = {
@@ -173,7 +177,8 @@ def test_pair_density_decides_between_equal_candidates() -> None:
         np.array([[0, 1]], np.int32), np.array([0.3], np.float32), 0.07, 1.0, NO_LEGS, 0.0
     )
     positions = np.array([[[0, 0, 2], [0, 0, 0]], [[0.3, 0, 2], [-0.3, 0, 2]]], np.float32)
-    chosen = best_candidates(structure, joints, pairs, Candidates(positions, np.array([1, 2])))
+    candidates = Candidates(positions, np.array([1, 2]))
+    chosen = best_candidates(structure, joints, pairs, candidates, no_priors(candidates))
     assert chosen.tolist() == [0, 1]
 
 
@@ -194,5 +199,6 @@ def test_legs_that_are_too_close_take_the_next_best_candidate(
         apart,
     )
     spots = np.array([[[0, 0, 2], [0, 0, 0]], [[0.02, 0, 2], [0.3, 0, 2]]], np.float32)
-    chosen = best_candidates(structure, joints, nothing, Candidates(spots, np.array([1, 2])))
+    candidates = Candidates(spots, np.array([1, 2]))
+    chosen = best_candidates(structure, joints, nothing, candidates, no_priors(candidates))
     assert chosen.tolist() == expected

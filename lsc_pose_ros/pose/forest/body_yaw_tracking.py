@@ -1,0 +1,124 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""The body yaw over time: what successive frames say of it together.
+
+People turn steadily. The belief in each body yaw is the largest sum of agreements over a path of
+body yaws that ends there, less a penalty for each step on the circle (max-sum, the Viterbi
+algorithm). It forgets: beliefs are bounded, so that some frames that agree overrule the past.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.pose.forest.body_yaw import body_yaws_around
+from lsc_pose_ros.pose.forest.body_yaw_search import (
+    agreements,
+    choose_body_yaw,
+    few_points,
+    peak_beside,
+)
+from lsc_pose_ros.pose.model import Model
+
+TURN_PENALTY = 0.5
+"""The penalty of a step to the next of eight body yaws, in units of the agreement."""
+
+LARGEST_DOUBT = 3.0
+"""No body yaw is believed less than the best one by more than this."""
+
+LEAST_AGREEMENT = 0.85
+"""All body yaws are tried if the agreement falls below this fraction of that before."""
+
+
+class BodyYawBelief(NamedTuple):
+    """What is known of a person's body yaw.
+
+    Attributes:
+        yaw: radians, as `body_yaw_of`.
+        belief: in each of the model's body yaws, 0 for the best one, less for the others, shape
+            (n,).
+        agreement: of the votes at the best one.
+    """
+
+    yaw: float
+    belief: NDArray[np.float64]
+    agreement: float
+
+
+def carry_over(belief: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the belief before the next frame: b_k = max_j b_j - p |k - j| 8 / n on the circle.
+
+    Args:
+        belief: after the frame before, shape (n,).
+    """
+    count = len(belief)
+    steps = abs(np.arange(count)[:, None] - np.arange(count)[None])
+    steps = np.minimum(steps, count - steps)
+    carried = (belief[None] - TURN_PENALTY * steps * 8 / count).max(axis=1)
+    bounded: NDArray[np.float64] = np.maximum(carried - carried.max(), -LARGEST_DOUBT)
+    return bounded
+
+
+def follow_body_yaw(
+    model: Model,
+    points: NDArray[np.float32],
+    quantised: NDArray[np.uint8],
+    scale: float,
+    before: BodyYawBelief | None,
+    *,
+    all_round: bool,
+) -> BodyYawBelief:
+    """Return the body yaw of a person, given that of the frame before.
+
+    Args:
+        model: its trees split by the body yaw.
+        points: the person's points that vote, metres, shape (Q, 3).
+        quantised: their quantised descriptors, shape (Q, F).
+        scale: rho_bar, metres.
+        before: after the frame before; None for a new person. It does not count if it has another
+            number of body yaws.
+        all_round: whether all body yaws are tried, or only those beside the one before.
+    """
+    body_yaws = body_yaws_around(model.settings.body_yaws)
+    some = few_points(points, quantised)
+    if before is None or len(before.belief) != len(body_yaws):
+        rough = agreements(model, *some, scale, body_yaws)
+        best = choose_body_yaw(model, points, quantised, scale, rough)
+        belief = rough.copy()
+        belief[best] = rough.max()
+        return _belief(belief, rough, best)
+    carried = carry_over(before.belief)
+    expected = int(np.argmax(before.belief))
+    if not all_round:
+        near = np.arange(expected - 1, expected + 2) % len(body_yaws)
+        tried = agreements(model, *some, scale, body_yaws[near])
+        # The others agree no better than these: else the agreement would have dropped.
+        rough = np.full(len(body_yaws), tried.min())
+        rough[near] = tried
+        best = int(np.argmax(rough + carried))
+        if rough[best] >= LEAST_AGREEMENT * before.agreement:
+            return _belief(rough + carried, rough, best)
+    rough = agreements(model, *some, scale, body_yaws)
+    return _belief(rough + carried, rough, int(np.argmax(rough + carried)))
+
+
+def _belief(belief: NDArray[np.float64], rough: NDArray[np.float64], best: int) -> BodyYawBelief:
+    count = len(belief)
+    yaw = float(body_yaws_around(count)[best] + peak_beside(rough, best) * 2 * np.pi / count)
+    bounded = np.maximum(belief - belief.max(), -LARGEST_DOUBT)
+    return BodyYawBelief(yaw, bounded, float(rough[best]))
