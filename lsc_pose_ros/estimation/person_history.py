@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.camera.rays import ImageRays, image_rays
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
+from lsc_pose_ros.estimation.joint_filter import FilteredJoints, filter_joints, measured_joints
 from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.forest.body_yaw_tracking import BodyYawBelief
@@ -65,7 +66,7 @@ class Person(NamedTuple):
     Attributes:
         stamp: nanoseconds.
         place: the mean of the visible surface, metres, shape (3,).
-        joints: metres, NaN if not estimated, shape (J, 3).
+        joints: the filtered joints.
         velocity: metres per second, 0 if unknown, shape (J, 3).
         confidence: of the joints, shape (J,).
         body_yaw: what is known of the body yaw.
@@ -74,7 +75,7 @@ class Person(NamedTuple):
 
     stamp: int
     place: NDArray[np.float64]
-    joints: NDArray[np.float32]
+    joints: FilteredJoints
     velocity: NDArray[np.float32]
     confidence: NDArray[np.float32]
     body_yaw: BodyYawBelief | None
@@ -129,38 +130,37 @@ class PersonHistory:
         length = np.linalg.norm(step, axis=1, keepdims=True)
         step *= np.minimum(1, LARGEST_STEP / np.maximum(length, 1e-6))
         return Past(
-            (person.joints + step).astype(np.float32),
+            (person.joints.positions + step).astype(np.float32),
             person.confidence,
             float(min(REACH * np.sqrt(seconds / FRAME_TIME), LARGEST_REACH)),
             person.body_yaw,
             person.frames >= ALL_ROUND_EVERY,
         )
 
-    def remember(self, body: BodyEstimate) -> None:
-        """Keep the estimate of a body of this frame."""
-        place = self._places.get(body.number)
+    def remember(self, body: BodyEstimate) -> NDArray[np.float32]:
+        """Keep the estimate of a body of this frame, and return its joints, filtered.
+
+        Returns:
+            metres, NaN if not estimated, shape (J, 3).
+        """
+        joints = measured_joints(body.joints, body.confidence)
+        place, before = self._places.get(body.number), self._matched.get(body.number)
         if place is None:
-            return
-        before = self._matched.get(body.number)
-        velocity = np.zeros_like(body.joints)
-        frames = 0
+            return body.joints
+        velocity, frames = np.zeros_like(body.joints), 0
         if before is not None:
             self._before = [person for person in self._before if person is not before]
         if before is not None and body.past is not None:
-            moved = (body.joints - before.joints) / ((self._stamp - before.stamp) * 1e-9)
-            velocity = np.where(np.isfinite(moved), moved, np.float32(0)).astype(np.float32)
+            seconds = (self._stamp - before.stamp) * 1e-9
+            expected = FilteredJoints(body.past.joints, before.joints.variance)
+            joints = filter_joints(expected, seconds, joints)
+            moved = (joints.positions - before.joints.positions) / np.float32(seconds)
+            velocity = np.where(np.isfinite(moved), moved, np.float32(0))
             frames = 0 if body.past.all_round else before.frames + 1
         self._now.append(
-            Person(
-                self._stamp,
-                place,
-                body.joints,
-                velocity,
-                body.confidence,
-                body.body_yaw,
-                frames,
-            )
+            Person(self._stamp, place, joints, velocity, body.confidence, body.body_yaw, frames)
         )
+        return joints.positions
 
 
 def nearest_people(

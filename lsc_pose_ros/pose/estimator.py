@@ -41,8 +41,8 @@ class Memory(Protocol):
     def recall(self, number: int) -> Past | None:
         """Return what is expected of a body of this frame; None if nothing is."""
 
-    def remember(self, body: BodyEstimate) -> None:
-        """Keep the estimate of a body of this frame."""
+    def remember(self, body: BodyEstimate) -> NDArray[np.float32]:
+        """Keep the estimate of a body of this frame; return its joints, metres, shape (J, 3)."""
 
 
 class Estimator:
@@ -144,10 +144,8 @@ class Estimator:
         for row, number in enumerate(bodies):
             past = None if memory is None else memory.recall(int(number))
             body = self._estimate_body(images, int(number), observer, past)
-            if memory is not None and body is not None:
-                memory.remember(body)
             if body is not None:
-                positions[row] = body.joints
+                positions[row] = body.joints if memory is None else memory.remember(body)
                 confidence[row] = body.confidence
         _check_unit(positions[..., 2])
         return Skeletons(bodies, self.model.joints, positions, confidence), beyond

@@ -25,6 +25,15 @@ from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.image_arguments import check_images
 from lsc_pose_ros.estimation import person_history
+from lsc_pose_ros.estimation.joint_filter import (
+    DOUBTFUL_ERROR,
+    GATE,
+    SPEED_ERROR,
+    SURE_ERROR,
+    FilteredJoints,
+    filter_joints,
+    measured_joints,
+)
 from lsc_pose_ros.estimation.person_history import (
     Person,
     PersonHistory,
@@ -116,7 +125,8 @@ def test_the_place_of_a_body_is_the_mean_of_its_points() -> None:
 
 def person(place: list[float]) -> Person:
     nothing = np.zeros((2, 3), np.float32)
-    return Person(0, np.array(place), nothing, nothing, np.ones(2, np.float32), None, 0)
+    joints = FilteredJoints(nothing, np.ones(2))
+    return Person(0, np.array(place), joints, nothing, np.ones(2, np.float32), None, 0)
 
 
 def test_a_body_is_the_nearest_person_whatever_its_number() -> None:
@@ -146,10 +156,11 @@ def test_a_movement_goes_on_and_a_gap_or_an_earlier_stamp_ends_it() -> None:
     np.testing.assert_allclose(past.joints, [[0, 0, 2], [0, 1, 2]])
     np.testing.assert_allclose(past.weight, [0.9, 0.4])
     assert past.reach == pytest.approx(person_history.REACH, rel=1e-4)
-    history.remember(estimate(5, [[0.02, 0, 2], [0, np.nan, 2]], past))
+    filtered = history.remember(estimate(5, [[0.02, 0, 2], [0, np.nan, 2]], past))
+    assert 0 < filtered[0, 0] < 0.02
     history.begin(2 * FRAME_NS, *images, CAMERA)
     past = history.recall(1)
-    expected = 0.02 + person_history.TREND * 0.02
+    expected = filtered[0, 0] * (1 + person_history.TREND)
     assert past.joints[0, 0] == pytest.approx(expected, rel=1e-3)
     assert np.isnan(past.joints[1, 1])
     # Nobody is seen for some frames, then the person comes back.
@@ -181,3 +192,31 @@ def test_all_body_yaws_are_tried_now_and_then() -> None:
     every = np.diff(np.flatnonzero(tried))
     assert (every == person_history.ALL_ROUND_EVERY + 1).all()
     assert len(every) >= 2
+
+
+def test_the_filter_moves_joints_as_far_as_their_certainty_says() -> None:
+    rng = np.random.default_rng(0)
+    expected = FilteredJoints(rng.normal(0, 1, (7, 3)).astype(np.float32), rng.random(7) * 0.01)
+    confidence = np.linspace(0, 1, 7).astype(np.float32)
+    positions = (expected.positions + rng.normal(0, 0.02, (7, 3))).astype(np.float32)
+    positions[1] += 2.0  # a sudden movement
+    expected.positions[2], positions[3] = np.nan, np.nan
+    measured = measured_joints(positions, confidence)
+    found = filter_joints(expected, 0.04, measured)
+    for j in range(7):
+        error = DOUBTFUL_ERROR * (1 - confidence[j]) + SURE_ERROR * confidence[j]
+        noise, prior = error**2, expected.variance[j] + (SPEED_ERROR * 0.04) ** 2
+        innovation = positions[j] - expected.positions[j]
+        if np.isnan(innovation).any():  # only what is measured counts
+            np.testing.assert_array_equal(found.positions[j], positions[j])
+            assert found.variance[j] == pytest.approx(noise, rel=1e-6)
+            continue
+        beyond = np.linalg.norm(innovation) - GATE * np.sqrt(prior + noise)
+        assert (beyond > 0) == (j == 1)
+        prior += max(beyond, 0) ** 2
+        gain = prior / (prior + noise)
+        wanted = expected.positions[j] + gain * innovation
+        np.testing.assert_allclose(found.positions[j], wanted, atol=1e-5)
+        assert found.variance[j] == pytest.approx((1 - gain) * prior, rel=1e-5)
+    # The sudden movement is followed nearly at once.
+    assert np.linalg.norm(found.positions[1] - positions[1]) < 0.1

@@ -64,8 +64,8 @@ class Past(NamedTuple):
 def log_past(expected: Position, weight: float, reach: float, position: Position) -> float:
     """Return the logarithm of the prior of a joint at `position`: -s w min((d / r)^2, m^2).
 
-    d is its distance from where it is expected, r the reach, m MOST_REACHES, s STRENGTH. It is 0 if nothing
-    is expected.
+    d is its distance from where it is expected, r the reach, m MOST_REACHES, s STRENGTH. It is 0
+    if nothing is expected.
 
     Args:
         expected: metres, NaN if unknown, shape (3,).
