@@ -69,10 +69,10 @@ def test_candidates_are_rated_by_their_distance_from_the_past(seed: int) -> None
     counts = rng.integers(0, 4, 6)
     found = log_pasts(past, Candidates(positions, counts))
     for joint, k in np.ndindex(6, 3):
-        expected = 0.0
+        expected: float = 0.0
         if k < counts[joint] and joint != 2:
             distance = float(np.linalg.norm(past.joints[joint] - positions[joint, k]))
-            expected = -past.weight[joint] * min((distance / 0.15) ** 2, MOST_REACHES**2)
+            expected = -float(past.weight[joint]) * min((distance / 0.15) ** 2, MOST_REACHES**2)
         assert found[joint, k] == pytest.approx(expected, abs=1e-4)
     assert not log_pasts(None, Candidates(positions, counts)).any()
 

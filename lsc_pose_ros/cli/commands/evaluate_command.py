@@ -32,6 +32,7 @@ from lsc_pose_ros.cli.output.evaluation_results import (
     evaluation_table,
 )
 from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.cli.output.video_results import video_results, video_table
 from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, select, summarise
@@ -77,6 +78,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         'labelled recordings show it to be off by, in the camera frame, as the median; for labels '
         'whose joints lie elsewhere in the body',
     )
+    parser.add_argument(
+        '--video',
+        action='store_true',
+        help='also estimate the frames as successive ones, as replay and the node do, and tell '
+        'how steady the joints are; for recordings of people who move, not for single frames',
+    )
     parser.add_argument('--json', type=Path, metavar='FILE', help='write the results there')
     parser.add_argument(
         '--report', type=Path, metavar='DIR', help='write a page with plots and pictures there'
@@ -118,7 +125,11 @@ def run(arguments: argparse.Namespace) -> int:
     output = _measure(arguments, estimator, readers, others)
     inputs = EvaluationInputs(path, recordings, arguments.offsets_from or [], arguments.tolerance)
     results = evaluation_results(inputs, estimator, output)
+    if arguments.video:
+        results['video'] = video_results(estimator, readers, arguments.tolerance)
     print(evaluation_table(results))
+    if arguments.video:
+        print(video_table(results['video'], arguments.tolerance))
     if arguments.json:
         write_json(arguments.json, results)
     if arguments.report:

@@ -1,0 +1,92 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+
+"""How steady the joints of a video are, frame by frame and over time, as data and as a table."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from lsc_pose_ros.bags import FrameReader
+from lsc_pose_ros.cli.input.labelled_frames import read_frames
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.estimation.temporal import TemporalEstimator
+from lsc_pose_ros.evaluation.video_scores import VideoFrame, VideoScores, score_video
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.settings.table import TRACKED, TemporalSettings
+
+_WAYS = {'frame by frame': False, 'over time': True}
+
+
+def video_results(
+    estimator: Estimator, readers: Sequence[FrameReader], tolerance: float
+) -> dict[str, Any]:
+    """Return the scores of the recordings as videos, by way of the estimation, for --json.
+
+    Bodies are tracked, and none is left out for its confidence or stature.
+
+    Args:
+        estimator: the estimator of each frame.
+        readers: the recordings; each begins a new video.
+        tolerance: how far a joint may be off to count as found, metres.
+
+    Raises:
+        InputError: no frame is labelled.
+    """
+    return {
+        name: _score(estimator, readers, tolerance, temporal=temporal)._asdict()
+        for name, temporal in _WAYS.items()
+    }
+
+
+def _score(
+    estimator: Estimator, readers: Sequence[FrameReader], tolerance: float, *, temporal: bool
+) -> VideoScores:
+    settings = TemporalSettings(
+        body_ids=TRACKED, minimum_body_confidence=0.0, minimum_stature=0.0, temporal=temporal
+    )
+    sequence = TemporalEstimator(estimator, settings)
+    frames = [
+        VideoFrame(
+            frame.stamp,
+            sequence.estimate(frame.stamp, frame.depth, frame.labels, frame.camera),
+            frame.ground_truth,
+        )
+        for frame in read_frames(readers, 'video over time' if temporal else 'video')
+        if frame.ground_truth is not None
+    ]
+    if not any(len(frame.truth.bodies) for frame in frames):
+        msg = 'no frame has a labelled person; --video needs a recording with ground truth'
+        raise InputError(msg)
+    return score_video(frames, tolerance)
+
+
+def video_table(results: dict[str, Any], tolerance: float) -> str:
+    """Return a table of the scores of `video_results`."""
+    within = f'within {100 * tolerance:g} cm'
+    lines = [f'{"video":<28}' + ''.join(f'{name:>16}' for name in results)]
+    rows = (
+        ('mean error', 'mean_error_m', 100, 'cm'),
+        (within, 'map', 100, '%'),
+        ('95 % of movements at rest', 'jitter_at_rest_m', 100, 'cm'),
+        ("95 % of the errors' changes", 'jitter_m', 100, 'cm'),
+        ('lag', 'lag_frames', 1, 'frames'),
+        ('turned round', 'turned_round', 100, '%'),
+        ('number changes a minute', 'id_switches_per_minute', 1, ''),
+    )
+    for name, key, factor, unit in rows:
+        cells = ''.join(f'{factor * way[key]:>10.1f} {unit:<5}' for way in results.values())
+        lines.append(f'{name:<28}{cells}'.rstrip())
+    return '\n'.join(lines)
