@@ -496,7 +496,8 @@ def spawn_node(
     """Start the node with parameters, without waiting for it."""
 
     def begin(**parameters: object) -> Program:
-        values = {'model': small_model_file, **parameters}
+        # Each frame alone, unless a test is about time.
+        values = {'model': small_model_file, 'temporal': False, **parameters}
         words = [word for name, value in values.items() for word in ('-p', f'{name}:={value}')]
         return start_program('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words)
 

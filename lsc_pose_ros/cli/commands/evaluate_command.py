@@ -32,7 +32,7 @@ from lsc_pose_ros.cli.output.evaluation_results import (
     evaluation_table,
 )
 from lsc_pose_ros.cli.output.json_file import write_json
-from lsc_pose_ros.cli.output.video_results import video_results, video_table
+from lsc_pose_ros.cli.output.video_results import estimate_video, video_results, video_table
 from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, select, summarise
@@ -126,7 +126,8 @@ def run(arguments: argparse.Namespace) -> int:
     inputs = EvaluationInputs(path, recordings, arguments.offsets_from or [], arguments.tolerance)
     results = evaluation_results(inputs, estimator, output)
     if arguments.video:
-        results['video'] = video_results(estimator, readers, arguments.tolerance)
+        video = estimate_video(estimator, readers)
+        results['video'] = video_results(video, arguments.tolerance)
     print(evaluation_table(results))
     if arguments.video:
         print(video_table(results['video'], arguments.tolerance))

@@ -23,42 +23,44 @@ from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
-from lsc_pose_ros.evaluation.video_scores import VideoFrame, VideoScores, score_video
+from lsc_pose_ros.evaluation.video_scores import VideoFrame, score_video
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.settings.table import TRACKED, TemporalSettings
 
 _WAYS = {'frame by frame': False, 'over time': True}
 
 
-def video_results(
-    estimator: Estimator, readers: Sequence[FrameReader], tolerance: float
-) -> dict[str, Any]:
-    """Return the scores of the recordings as videos, by way of the estimation, for --json.
+def estimate_video(
+    estimator: Estimator, readers: Sequence[FrameReader]
+) -> dict[str, list[VideoFrame]]:
+    """Return the frames of recordings, estimated one by one and over time.
 
     Bodies are tracked, and none is left out for its confidence or stature.
 
     Args:
         estimator: the estimator of each frame.
-        readers: the recordings; each begins a new video.
-        tolerance: how far a joint may be off to count as found, metres.
+        readers: the recordings.
 
     Raises:
         InputError: no frame is labelled.
     """
-    return {
-        name: _score(estimator, readers, tolerance, temporal=temporal)._asdict()
-        for name, temporal in _WAYS.items()
-    }
+    ways = {name: _estimate(estimator, readers, temporal) for name, temporal in _WAYS.items()}
+    if not any(len(frame.truth.bodies) for frames in ways.values() for frame in frames):
+        msg = 'no frame has a labelled person; --video needs a recording with ground truth'
+        raise InputError(msg)
+    return ways
 
 
-def _score(
-    estimator: Estimator, readers: Sequence[FrameReader], tolerance: float, *, temporal: bool
-) -> VideoScores:
+def _estimate(
+    estimator: Estimator,
+    readers: Sequence[FrameReader],
+    temporal: bool,  # noqa: FBT001
+) -> list[VideoFrame]:
     settings = TemporalSettings(
         body_ids=TRACKED, minimum_body_confidence=0.0, minimum_stature=0.0, temporal=temporal
     )
     sequence = TemporalEstimator(estimator, settings)
-    frames = [
+    return [
         VideoFrame(
             frame.stamp,
             sequence.estimate(frame.stamp, frame.depth, frame.labels, frame.camera),
@@ -67,10 +69,16 @@ def _score(
         for frame in read_frames(readers, 'video over time' if temporal else 'video')
         if frame.ground_truth is not None
     ]
-    if not any(len(frame.truth.bodies) for frame in frames):
-        msg = 'no frame has a labelled person; --video needs a recording with ground truth'
-        raise InputError(msg)
-    return score_video(frames, tolerance)
+
+
+def video_results(ways: dict[str, list[VideoFrame]], tolerance: float) -> dict[str, Any]:
+    """Return the scores of `estimate_video` by way of the estimation, for --json.
+
+    Args:
+        ways: the frames.
+        tolerance: how far a joint may be off to count as found, metres.
+    """
+    return {name: score_video(frames, tolerance)._asdict() for name, frames in ways.items()}
 
 
 def video_table(results: dict[str, Any], tolerance: float) -> str:

@@ -159,6 +159,7 @@ GOOD_AT_ANY_TIME = {
     'maximum_bodies': 3,
     'sync_slop': 0.02,
     'smoothing': True,
+    'temporal': False,
     'smoothing_cutoff': 2.0,
     'smoothing_beta': 0.1,
     'minimum_confidence': 0.3,
@@ -331,7 +332,7 @@ def test_changes_take_effect_while_the_node_runs(
     assert not services.set('smoothing_beta', 0.0)
     smooth = TemporalEstimator(
         Estimator(model),
-        TemporalSettings(smoothing=True, smoothing_cutoff=0.1, smoothing_beta=0.0),
+        TemporalSettings(smoothing=True, smoothing_cutoff=0.1, smoothing_beta=0.0, temporal=False),
     )
     for frame in frames[5:8]:
         expected = smooth.estimate(frame.stamp, frame.depth, frame.labels, frame.camera)
@@ -339,6 +340,13 @@ def test_changes_take_effect_while_the_node_runs(
     assert not np.array_equal(expected.positions, plain(frame).positions, equal_nan=True)
     assert not services.set('smoothing', value=False)
     assert_equal(talk.ask(frames[8])[0], plain(frames[8]))
+
+    assert not services.set('temporal', value=True)
+    over_time = TemporalEstimator(Estimator(model), TemporalSettings())
+    for frame in frames[9:12]:
+        expected = over_time.estimate(frame.stamp, frame.depth, frame.labels, frame.camera)
+        assert_equal(talk.ask(frame)[0], expected)
+    assert not np.array_equal(expected.positions, plain(frame).positions, equal_nan=True)
 
 
 def test_sync_slop_takes_effect_while_the_node_runs(
