@@ -135,7 +135,10 @@ def run(arguments: argparse.Namespace) -> int:
         write_json(arguments.json, results)
     if arguments.report:
         # Matplotlib takes half a second to import, which a plain evaluation need not wait for.
-        from lsc_pose_ros.cli.output.evaluation_report import report_evaluation  # noqa: PLC0415
+        from lsc_pose_ros.cli.output.evaluation_report import (  # noqa: PLC0415
+            draw_video,
+            report_evaluation,
+        )
 
         page = report_evaluation(
             arguments.report,
@@ -145,6 +148,8 @@ def run(arguments: argparse.Namespace) -> int:
             evaluation_facts(results),
         )
         print(page)
+        if arguments.video:
+            print(draw_video(arguments.report, video, output.summary))
     return 0
 
 

@@ -18,14 +18,19 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
+from lsc_pose_ros.evaluation.video_scores import VideoFrame
 from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.viz.drawing.canvas import save_png
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
 from lsc_pose_ros.viz.report.ranking import rank_frames
 from lsc_pose_ros.viz.report.report import Report, write_report
+from lsc_pose_ros.viz.report.time_plot import joint_over_time
 
 FRAMES_SHOWN = 8
 
@@ -63,6 +68,23 @@ def report_evaluation(
         [drawn[number] for number in ranking.worst],
     )
     return write_report(directory, report)
+
+
+def draw_video(directory: Path, ways: dict[str, list[VideoFrame]], summary: Summary) -> Path:
+    """Draw the joint with the largest error over time beside the page; return the picture's path.
+
+    Args:
+        directory: the folder of the page.
+        ways: the frames of a video, by the name of the estimation.
+        summary: the scores of the joints.
+
+    Raises:
+        InputError: the picture cannot be written.
+    """
+    joint = max(summary.joints, key=lambda name: np.nan_to_num(summary.joints[name].mean_error_m))
+    path = directory / 'video.png'
+    save_png(joint_over_time(ways, joint), path)
+    return path
 
 
 def _draw(

@@ -41,7 +41,7 @@ def joint_over_time(ways: Mapping[str, Sequence[VideoFrame]], joint: str) -> Fig
 
     Args:
         ways: the frames of the same video by the name of the estimation.
-        joint: the name of the joint.
+        joint: the name of the joint, which the title gives.
     """
     figure = new_figure(8.4, 5.4)
     rows = figure.subplots(3, 1, sharex=True)
@@ -59,7 +59,8 @@ def joint_over_time(ways: Mapping[str, Sequence[VideoFrame]], joint: str) -> Fig
             width = 3.0 if name == 'ground truth' else 1.2
             row.plot(times, positions[:, axis], color=colour, linewidth=width, label=name)
         row.set_ylabel(f'{_AXES[axis]}, m')
-    rows[0].legend(loc='upper right', ncols=len(curves), frameon=False)
+    rows[0].legend(loc='lower right', bbox_to_anchor=(1, 1), ncols=len(curves), frameon=False)
+    rows[0].set_title(joint, loc='left')
     rows[-1].set_xlabel('seconds')
     return figure
 
