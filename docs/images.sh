@@ -1,6 +1,6 @@
 #!/bin/sh
 # Draws the pictures of how_it_works.md (synthetic people that the default model has not seen, and
-# one frame at each stage of a small model), of the card of the models (people in front of each
+# one frame at each stage of a small model), of time.md (a joint of a video), of the card of the models (people in front of each
 # sensor), and of README.md (estimates of the live node in the demonstration).
 # This takes a few minutes and needs lsc_pose on the PATH or in LSC_POSE, and a Python with the
 # package and ROS 2: python3, or the value of PYTHON.
@@ -29,6 +29,10 @@ for sensor in kinect_v1 kinect_v2 azure realsense zed tof; do
         --sensor $sensor
     $lsc_pose view "$work/$sensor.mcap" -o "$pictures/sensor_$sensor.png" --frames 6 --model default
 done
+
+$lsc_pose synth "$work/video.mcap" --frames 180 --fps 30 --clip-length 60 --yaw 180 --sensor zed --seed 2005
+$lsc_pose evaluate default "$work/video.mcap" --video --report "$work/video" --joints r_wrist
+cp "$work/video/video.png" "$pictures/time.png"
 
 $lsc_pose synth "$work/rooms.mcap" --frames 12 --clip-length 1 --seed 2004 --yaw 180 --people 2 \
     --furniture
