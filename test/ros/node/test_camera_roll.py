@@ -136,6 +136,7 @@ def test_roll_is_found_by_the_transforms(
     publishers['/tf_static'].publish(tf_message(transforms[2 - static :]))
     node = start_program(
         *('-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={small_model_file}'),
+        *('-p', 'temporal:=false'),
         PYTHONPATH=f'{tf_packages}:{ros_environment["PYTHONPATH"]}',
     )
     assert node.prints('listening to'), node.output

@@ -266,7 +266,14 @@ def slow_node(
     def begin(seconds: float) -> Program:
         model = f'model:={small_model_file}'
         node = start_program(
-            SLOW_NODE, seconds, '--ros-args', '-p', model, '-p', 'sync_queue:=1000'
+            SLOW_NODE,
+            seconds,
+            '--ros-args',
+            '-p',
+            model,
+            '-p',
+            'sync_queue:=1000',
+            *('-p', 'temporal:=false'),
         )
         assert node.prints('ready')
         return node
