@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.body_parts.depth_grid import DepthGrid, depth_grid
 from lsc_pose_ros.body_parts.part_network import CellParts, PartNetwork, classify
-from lsc_pose_ros.body_parts.smoothing import SMOOTHING_REACH, smooth_person
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.segmentation.cell_labels import labels_from_cells
@@ -100,6 +99,5 @@ def find_people(
         float((camera.cx - grid.step // 2) / spacing),
         float((camera.cy - grid.step // 2) / spacing),
     )
-    smoothed = smooth_person(parts.probabilities, parts.depth, SMOOTHING_REACH)
-    cells = person_cells(parts, smoothed, in_cells, PERSON_THRESHOLD)
+    cells = person_cells(parts, in_cells, PERSON_THRESHOLD)
     return cells, find_bodies(cells)

@@ -21,6 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.body_parts.part_network import CellParts
 from lsc_pose_ros.numerics.jit import kernel
 
@@ -44,25 +45,26 @@ class PersonCells(NamedTuple):
 @kernel
 def person_cells(
     parts: CellParts,
-    smoothed: NDArray[np.float32],
     camera: tuple[float, float, float, float],
     threshold: float,
 ) -> PersonCells:
-    """Return the cells whose smoothed probability of a person is at least `threshold`.
+    """Return the cells whose probability of a person is at least `threshold`.
 
     Args:
         parts: what the cells show.
-        smoothed: as `smooth_person` returns it, shape (h, w).
         camera: fx, fy, cx, cy in cells.
         threshold: the least probability.
     """
     height, width = parts.depth.shape
     fx, fy, cx, cy = camera
     number = np.full((height, width), -1, np.int32)
+    shows = np.zeros((height, width), np.float32)
     count = 0
     for i in range(height):
         for j in range(width):
-            if smoothed[i, j] >= threshold and smoothed[i, j] > 0:
+            for c in range(NOT_A_PERSON + 1, parts.probabilities.shape[2]):
+                shows[i, j] += parts.probabilities[i, j, c]
+            if shows[i, j] >= threshold and shows[i, j] > 0:
                 number[i, j] = count
                 count += 1
     vote = np.empty((count, 3), np.float32)
@@ -79,5 +81,5 @@ def person_cells(
             vote[n, 1] = ((i - cy) / fy + down / z) * middle
             vote[n, 2] = middle
             area[n] = z * z / (fx * fy)
-            person[n] = smoothed[i, j]
+            person[n] = shows[i, j]
     return PersonCells(number, vote, area, person)

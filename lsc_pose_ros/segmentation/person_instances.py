@@ -45,8 +45,14 @@ STEPS = 3
 LEAST_AREA = 0.05
 """A body with a smaller visible area is none, square metres."""
 
-LEAST_PERSON = 0.6
+LEAST_PERSON = 0.75
 """The least mean probability that the cells of a body show a person."""
+
+SMALL_AREA, SMALL_DOUBT = 0.2, 0.1
+"""Of a body with a smaller visible area, square metres, it must be larger by so much."""
+
+FAR, FAR_DOUBT = 4.0, 0.05
+"""Of a body at a larger depth, metres, it must be larger by so much per metre of noisy depth."""
 
 MOST_PEOPLE = 32
 """No more people are found in one image."""
@@ -72,7 +78,9 @@ def find_bodies(cells: PersonCells) -> Bodies:
     middles = find_middles(cells)
     body = nearest_middles(cells, middles)
     area, person = measure_bodies(cells, body, middles.shape[0])
-    certain = (area >= LEAST_AREA) & (person >= LEAST_PERSON)
+    certain = area >= LEAST_AREA
+    for b in range(middles.shape[0]):
+        certain[b] = certain[b] and person[b] >= least_person(area[b], middles[b, 2])
     order = np.argsort(-area * person)
     rank = np.full(middles.shape[0], -1, np.int32)
     kept = np.empty(middles.shape[0], np.int64)
@@ -85,6 +93,18 @@ def find_bodies(cells: PersonCells) -> Bodies:
         if body[n] >= 0:
             body[n] = rank[body[n]]
     return Bodies(body, area[kept[:count]], person[kept[:count]])
+
+
+@kernel
+def least_person(area: float, depth: float) -> float:
+    """Return the least mean probability of a body that is a person.
+
+    Args:
+        area: its visible area, square metres.
+        depth: of its middle, metres.
+    """
+    doubt = SMALL_DOUBT if area < SMALL_AREA else 0.0
+    return LEAST_PERSON + doubt + FAR_DOUBT * max(depth - FAR, 0.0)
 
 
 @kernel

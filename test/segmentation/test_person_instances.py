@@ -23,7 +23,6 @@ import pytest
 
 from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
 from lsc_pose_ros.body_parts.part_network import CellParts
-from lsc_pose_ros.body_parts.smoothing import smooth_person
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.segmentation import cell_labels, person_instances
@@ -33,6 +32,7 @@ from lsc_pose_ros.segmentation.person_instances import (
     find_bodies,
     find_middles,
     heaviest_voxel,
+    least_person,
     measure_bodies,
     nearest_middles,
 )
@@ -54,16 +54,15 @@ def random_scene(seed: int) -> CellParts:
 
 
 def cells_of(parts: CellParts, threshold: float = 0.4) -> PersonCells:
-    smoothed = smooth_person(parts.probabilities, parts.depth, 1)
-    return person_cells(parts, smoothed, CAMERA, threshold)
+    return person_cells(parts, CAMERA, threshold)
 
 
 @pytest.mark.parametrize('seed', range(3))
 def test_cells_of_people_vote_for_their_middle(seed: int) -> None:
     parts = random_scene(seed)
-    smoothed = smooth_person(parts.probabilities, parts.depth, 1)
-    cells = person_cells(parts, smoothed, CAMERA, 0.4)
-    chosen = np.argwhere(smoothed >= 0.4)
+    shows = parts.probabilities[..., 1:].sum(axis=-1)
+    cells = person_cells(parts, CAMERA, 0.4)
+    chosen = np.argwhere(shows >= 0.4)
     assert len(chosen) == len(cells.area) > 10
     fx, fy, cx, cy = CAMERA
     for n, (i, j) in enumerate(chosen):
@@ -74,7 +73,7 @@ def test_cells_of_people_vote_for_their_middle(seed: int) -> None:
         expected = [(column - cx) / fx * middle, (row - cy) / fy * middle, middle]
         np.testing.assert_allclose(cells.vote[n], expected, rtol=1e-4, atol=1e-4)
         assert cells.number[i, j] == n
-        assert cells.person[n] == smoothed[i, j]
+        assert cells.person[n] == pytest.approx(shows[i, j], abs=1e-5)
         assert cells.area[n] == pytest.approx(z * z / fx / fy, rel=1e-5)
     assert (cells.number >= 0).sum() == len(chosen)
 
@@ -195,6 +194,18 @@ def test_a_few_cells_of_a_limb_are_no_body() -> None:
     body = bodies_in(parts)
     assert body.max() == 0
     assert (body[20:24, 45:48] == -1).all()
+
+
+def test_small_and_far_bodies_need_more_certainty() -> None:
+    assert least_person(0.3, 2.0) == least_person(0.3, 4.0)
+    assert least_person(0.1, 2.0) > least_person(0.3, 2.0)
+    assert least_person(0.3, 5.0) > least_person(0.3, 4.0)
+    parts = paint([(20, 2.5)])
+    shown = parts.probabilities[..., TORSO] > 0
+    parts.probabilities[shown, TORSO] = least_person(0.3, 2.5) - 0.01
+    assert bodies_in(parts).max() == -1
+    parts.probabilities[shown, TORSO] += 0.02
+    assert bodies_in(parts).max() == 0
 
 
 def test_no_cells_are_no_bodies() -> None:

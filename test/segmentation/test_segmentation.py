@@ -306,7 +306,7 @@ from lsc_pose_ros.segmentation import background
 from lsc_pose_ros.segmentation import blobs
 from lsc_pose_ros.segmentation import background_planes as room
 from lsc_pose_ros.segmentation import cell_labels, person_cells, person_instances
-from lsc_pose_ros.body_parts import convolution, depth_grid, part_network, smoothing
+from lsc_pose_ros.body_parts import convolution, depth_grid, part_network
 from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
 from lsc_pose_ros.settings.table import SegmentationSettings
 from lsc_pose_ros.estimation.warm_up import warm_up_segmenter
@@ -315,7 +315,7 @@ def compiled():
     return {{
         (module.__name__, name): len(value.signatures)
         for module in (background, blobs, room, depth_grid, convolution,
-                       part_network, smoothing, cell_labels, person_cells, person_instances)
+                       part_network, cell_labels, person_cells, person_instances)
         for name, value in vars(module).items()
         if isinstance(value, Dispatcher)
     }}
