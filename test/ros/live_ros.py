@@ -448,7 +448,7 @@ def shared_node(
     small_model_file: Path,
     tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[NodeUnderTest]:
-    """An inactive node with default parameters, shared by the tests of a module.
+    """An inactive node, shared by the tests of a module.
 
     Discovery takes ROS programs seconds. The node has its own domain, so that it does not
     interfere with the module's other tests. A test must not end the node.
@@ -456,14 +456,18 @@ def shared_node(
     with _probe():  # occupies the domain of the other tests
         environment = ros_environment | {'ROS_DOMAIN_ID': isolated_environment()['ROS_DOMAIN_ID']}
     assert environment['ROS_DOMAIN_ID'] != ros_environment['ROS_DOMAIN_ID']
-    words = ['--ros-args', '-p', f'model:={small_model_file}', '-p', 'autostart:=false']
+    # Each frame alone, unless a test is about time.
+    values = {'model': small_model_file, 'autostart': False, 'temporal': False}
+    words = [word for name, value in values.items() for word in ('-p', f'{name}:={value}')]
     log = tmp_path_factory.mktemp('shared') / 'node.log'
     with ExitStack() as stack:
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv('ROS_DOMAIN_ID', environment['ROS_DOMAIN_ID'])
             node = stack.enter_context(_probe())
             listener = stack.enter_context(open_listener(ANSWERS))
-        program = Program(['-m', 'lsc_pose_ros.ros.node.main', *words], log, environment)
+        program = Program(
+            ['-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words], log, environment
+        )
         try:
             active_node = NodeUnderTest(
                 program, Camera(node), PublishedEstimates(listener), NodeServices(node)
