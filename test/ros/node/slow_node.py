@@ -20,23 +20,21 @@ slow_node.py SECONDS --ros-args ...
 
 import sys
 import time
+from typing import Any
 
-from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.ros.node.main import main
 
 SECONDS = float(sys.argv.pop(1))
-estimate = Estimator.estimate
+estimate = Estimator.estimate_largest
 
 
-def estimate_slowly(
-    self: Estimator, depth: object, labels: object, camera: Intrinsics, observer: object = None
-) -> Skeletons:
+def estimate_slowly(self: Estimator, *arguments: Any) -> tuple[Skeletons, int]:
     time.sleep(SECONDS)
-    return estimate(self, depth, labels, camera, observer)
+    return estimate(self, *arguments)
 
 
-Estimator.estimate = estimate_slowly  # type: ignore[method-assign]
+Estimator.estimate_largest = estimate_slowly  # type: ignore[method-assign]
 
 sys.exit(main())

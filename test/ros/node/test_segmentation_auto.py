@@ -62,6 +62,8 @@ def found_alone(frame: Frame) -> Frame:
 def assert_answered(found: Skeletons, frame: Frame, model: Path) -> None:
     expected = Estimator(load_model(model)).estimate(frame.depth, frame.labels, frame.camera)
     for name in Skeletons._fields:
+        if name == 'joints' and not len(expected.bodies):
+            continue  # a message without bodies has no joints
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name), name)
 
 
