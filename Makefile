@@ -41,13 +41,14 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts model body-parts benchmarks benchmarks-live clean
+.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts fuzz model body-parts benchmarks benchmarks-live clean
 
 help:
 	@echo 'make demo             start the live node and check its skeletons; train another model'
 	@echo 'make test             linters, types, import contracts, tests on the oldest and newest numpy'
 	@echo 'make install          only the environment $(VENV), with ROS wheels unless Jazzy is sourced'
 	@echo 'make interrupts       send Ctrl-C to each command at random moments, SIGNALS=300 in all'
+	@echo 'make fuzz             change files and messages at random, MINUTES=10 for each reader of them'
 	@echo 'make settings         write pose_node.yaml and docs/parameters.md from settings/table.py'
 	@echo 'make model            train and measure the model of the package, in one or two hours;'
 	@echo '                      MOCAP=DIR for motion capture, NAME=front for the other model'
@@ -95,6 +96,9 @@ demo: $(VENV)/installed
 
 interrupts: $(VENV)/installed
 	$(BIN)/python test/cli/ctrl_c.py --signals $(or $(SIGNALS),300)
+
+fuzz: $(VENV)/installed
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python test/fuzz/fuzzing.py --minutes $(or $(MINUTES),10)
 
 settings: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.settings

@@ -49,6 +49,7 @@ EXTRAS = {
     # `lsc_pose import utd-mhad` reads MATLAB files.
     'mat': ['scipy>=1.11'],
     'test': [
+        'hypothesis>=6.100',
         'import-linter>=2.0',
         'mypy==2.4.1',
         'pytest>=7.4,<10',

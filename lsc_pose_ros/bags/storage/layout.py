@@ -28,6 +28,7 @@ import yaml
 import zstandard
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
+from lsc_pose_ros.bags.storage.piecewise_stream import PiecewiseStream
 from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
 from lsc_pose_ros.errors import InputError
 
@@ -124,12 +125,13 @@ def open_part(path: Path, *, compressed: bool) -> Iterator[IO[bytes]]:
     """Open a file of a recording; a compressed file is decompressed while it is read."""
     with path.open('rb') as stream:
         if not compressed:
-            yield stream
+            yield cast('IO[bytes]', PiecewiseStream(stream))
             return
         with zstandard.ZstdDecompressor().stream_reader(
             stream, read_across_frames=True
         ) as decompressed:
-            yield io.BufferedReader(cast('io.RawIOBase', decompressed), 1 << 20)
+            buffered = io.BufferedReader(cast('io.RawIOBase', decompressed), 1 << 20)
+            yield cast('IO[bytes]', PiecewiseStream(buffered))
 
 
 @contextmanager

@@ -125,7 +125,7 @@ class McapPart:
         if self._part.compressed:
             return None
         try:
-            with self._part.path.open('rb') as stream:
+            with open_part(self._part.path, compressed=False) as stream:
                 summary = make_reader(stream).get_summary()
         except DAMAGE:
             return None
@@ -146,7 +146,10 @@ class McapPart:
             with open_part(path, compressed=compressed) as stream:
                 yield stream
             return
-        with plain_copy(self._part, 'recording.mcap') as copy, copy.open('rb') as stream:
+        with (
+            plain_copy(self._part, 'recording.mcap') as copy,
+            open_part(copy, compressed=False) as stream,
+        ):
             yield stream
 
     def _pass(self, stream: IO[bytes], warnings: list[str]) -> '_Pass':
