@@ -173,7 +173,7 @@ def bag_metadata() -> bytes:
 
 def read_any_message(data: bytes) -> None:
     """Read a message: the first byte says of which type."""
-    kind, message = (data[0] if data else 0) % 5, data[1:]
+    kind, message = (data[0] if data else 0) % 6, data[1:]
     if kind == 0:
         depth_of(read_image(message))
     elif kind == 1:
@@ -182,8 +182,10 @@ def read_any_message(data: bytes) -> None:
         read_skeletons(message)
     elif kind == 3:
         read_transforms(message)
-    else:
+    elif kind == 4:
         labels_of(read_compressed_image(message), 0)
+    else:
+        labels_of(read_image(message), 0)
 
 
 def messages() -> list[bytes]:
@@ -201,7 +203,7 @@ def messages() -> list[bytes]:
     turn = Transform('base', 'camera', (0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 1.0))
     return [
         b'\0' + depth_message(*head, good.depth),
-        b'\0' + mask_message(*head, good.labels, 0),
+        b'\5' + mask_message(*head, good.labels, 0),
         b'\1' + camera_info_message(*head, CAMERA, SHAPE),
         b'\2' + skeletons_message(*head, good.ground_truth),
         b'\3' + transforms_message(STAMP, [turn]),
@@ -226,9 +228,9 @@ def read_layout(data: bytes) -> None:
 
 
 def read_rvl(data: bytes) -> None:
-    """Read an RVL stream: the first byte is the number of pixels, in tens."""
+    """Read an RVL stream: the first byte is the number of pixels."""
     if data:
-        decode_rvl(data[1:], 10 * data[0])
+        decode_rvl(data[1:], data[0])
 
 
 def part_forests(path: Path) -> None:
@@ -276,7 +278,7 @@ def targets() -> dict[str, Target]:
     return {
         'image': Target([layout + millimetres.tobytes()], read_layout),
         'png': Target([write_png(millimetres), write_png(millimetres.astype(np.uint8))], read_png),
-        'rvl': Target([bytes([19]) + encode_rvl(millimetres)], read_rvl),
+        'rvl': Target([bytes([millimetres.size]) + encode_rvl(millimetres)], read_rvl),
         **{
             f'compressedDepth {codec} {encoding}': Target(
                 seeds,
