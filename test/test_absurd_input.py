@@ -108,6 +108,15 @@ def test_absurd_intrinsics_are_refused(focal_length, centre):
         check_images(depth, labels, Intrinsics(focal_length, focal_length, centre, centre))
 
 
+def test_camera_infos_that_are_wrong_in_other_ways_each_time_are_told_a_few_times():
+    maker = FrameMaker(TOPICS, FrameSettings(segmentation='mask'))
+    for number in range(100):
+        camera = StampedCamera(0, 0, 0, CAMERA, warning=f'model {number} is not known')
+        maker.make(float_image([2.0]), None, camera)
+        maker.make(float_image([2.0]), None, camera)
+    assert maker.warnings == [f'/info: model {number} is not known' for number in range(3)]
+
+
 @pytest.mark.parametrize('value', [LARGEST, 1e19, 1e-30, -3.0, np.nan, np.inf, -np.inf])
 def test_absurd_depth_on_a_body_does_no_harm(value):
     depth = np.full((120, 160), 4.0, np.float32)

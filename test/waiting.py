@@ -29,15 +29,16 @@ _POLL_PERIOD = 0.01
 
 def wait_until(condition: Callable[[], object]) -> bool:
     """Wait until a condition holds, at most `PATIENCE`; return whether it does."""
-    return _becomes(condition, PATIENCE)
+    return becomes(condition, PATIENCE)
 
 
 def stays(condition: Callable[[], object], seconds: float = 1.0) -> bool:
     """Return whether a condition holds during all of `seconds`."""
-    return not _becomes(lambda: not condition(), seconds)
+    return not becomes(lambda: not condition(), seconds)
 
 
-def _becomes(condition: Callable[[], object], seconds: float) -> bool:
+def becomes(condition: Callable[[], object], seconds: float) -> bool:
+    """Wait at most `seconds` until a condition holds; return whether it does."""
     deadline = time.monotonic() + seconds
     while not condition():
         if time.monotonic() > deadline:

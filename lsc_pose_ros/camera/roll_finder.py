@@ -84,7 +84,8 @@ class RollFinder:
                 return
         self.way = ()
         wanted = self._gravity_frame or 'gravity-aligned frame (base_link, odom, map, ...)'
-        self.choice = f'camera_roll auto: {self._roll}, no transform from {frame_id} to a {wanted}'
+        missing = f'no transform from {frame_id:.100} to a {wanted}'
+        self.choice = f'camera_roll auto: {self._roll}, {missing}'
 
     def _is_gravity_aligned(self, frame: str) -> bool:
         if self._gravity_frame:
@@ -95,12 +96,12 @@ class RollFinder:
         angle = math.degrees(math.atan2(-right, -down)) % 360
         nearest = round(angle / RIGHT_ANGLE) * RIGHT_ANGLE
         distance = abs(angle - nearest)
-        way = f'transform from {frame_id} to {ancestor}'
+        way = f'transform from {frame_id:.100} to {ancestor:.100}'
         if math.hypot(right, down) < _LEAST_UPWARD or distance > RIGHT_ANGLE / 2 - _AMBIGUOUS:
             self.warning = (
                 f'camera_roll auto: by the {way}, the camera is turned by {angle:.0f} degrees or '
-                f'looks nearly straight up or down, or {frame_id} is no optical frame (REP-103); '
-                f'{self._roll} is taken. Set camera_roll'
+                f'looks nearly straight up or down, or {frame_id:.100} is no optical frame '
+                f'(REP-103); {self._roll} is taken. Set camera_roll'
             )
             self.choice = f'camera_roll auto: {self._roll}, ambiguous by the {way}'
             return

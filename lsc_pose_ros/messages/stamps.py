@@ -29,8 +29,8 @@ class Time(Protocol):
 
 
 def nanoseconds(time: Time) -> int:
-    """Return `time` in nanoseconds."""
-    return int(time.sec) * NANOSECONDS + int(time.nanosec)
+    """Return `time` in nanoseconds; a field `nanosec` of a second or more is invalid, and cut."""
+    return int(time.sec) * NANOSECONDS + min(int(time.nanosec), NANOSECONDS - 1)
 
 
 def sec_nanosec(stamp: int) -> tuple[int, int]:

@@ -15,6 +15,8 @@
 
 """Makes labelled frames from synchronized messages, for the live node and for recordings."""
 
+from collections import Counter
+
 from lsc_pose_ros.camera.roll import upright
 from lsc_pose_ros.camera.roll_finder import RollFinder
 from lsc_pose_ros.data_types.conversion import DepthRange
@@ -29,6 +31,9 @@ from lsc_pose_ros.segmentation.ground_truth_numbers import numbered_as_ground_tr
 from lsc_pose_ros.segmentation.segmenter import make_segmenter, segment
 from lsc_pose_ros.settings.table import AUTO, PEOPLE, FrameSettings
 
+# A camera info can be wrong in another way with each frame; so many ways are told.
+_MOST_OF_A_KIND = 3
+
 
 class FrameMaker:
     """Makes the frames of one sequence, one after the other.
@@ -37,7 +42,7 @@ class FrameMaker:
         camera: how the last camera info was read: which matrix was taken, and why.
         roll_finder: finds the roll of the camera; add transforms to its tree as they come.
         bodies: how the bodies of the last frame were found.
-        warnings: sentences on what is suspicious so far, each once.
+        warnings: sentences on what is suspicious so far, each once, and few of one kind.
     """
 
     def __init__(self, topics: FrameTopics, settings: FrameSettings) -> None:
@@ -59,6 +64,7 @@ class FrameMaker:
         self.camera = self.bodies = ''
         self.roll_finder = RollFinder(settings.roll, settings.gravity_frame)
         self.warnings: list[str] = []
+        self._warned: Counter[str] = Counter()
         self._topics = topics
         self._settings = settings
         self._segmenter = make_segmenter(settings)
@@ -93,7 +99,7 @@ class FrameMaker:
             depth_range=DepthRange(settings.minimum_depth, settings.maximum_depth),
         )
         frame = upright(frame, self.roll_finder.find(frame.frame_id))
-        self._warn(self.roll_finder.warning)
+        self._warn('roll', self.roll_finder.warning)
         with_mask = mask is not None and self._settings.reads_masks
         self.bodies = self._describe_bodies(with_mask=with_mask)
         if self._segmenter is not None and not with_mask:
@@ -101,10 +107,10 @@ class FrameMaker:
             if frame.ground_truth is not None:
                 labels = numbered_as_ground_truth(labels, frame.ground_truth, frame.camera)
             frame = frame._replace(labels=labels, from_mask=False)
-            self._warn(self._segmenter.warning)
+            self._warn('segmenter', self._segmenter.warning)
         elif with_mask:
             self._mask_check.add(frame.labels)
-            self._warn(self._mask_check.warning)
+            self._warn('mask', self._mask_check.warning)
         return frame
 
     def _describe_bodies(self, *, with_mask: bool) -> str:
@@ -118,8 +124,10 @@ class FrameMaker:
 
     def _note_camera(self, camera: StampedCamera) -> None:
         self.camera = camera.choice
-        self._warn(camera.warning and f'{self._topics.camera_info}: {camera.warning}')
+        self._warn('camera', camera.warning and f'{self._topics.camera_info}: {camera.warning}')
 
-    def _warn(self, warning: str) -> None:
-        if warning and warning not in self.warnings:
-            self.warnings.append(warning)
+    def _warn(self, kind: str, warning: str) -> None:
+        if not warning or warning in self.warnings or self._warned[kind] == _MOST_OF_A_KIND:
+            return
+        self._warned[kind] += 1
+        self.warnings.append(warning)

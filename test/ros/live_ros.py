@@ -99,6 +99,7 @@ class Program:
 
     def __init__(self, words: list[str], log: Path, environment: Mapping[str, str]) -> None:
         self._log = log
+        self.environment = environment
         self._forgotten = 0
         with log.open('wb') as output, default_interrupt():
             self._process = subprocess.Popen(
@@ -112,6 +113,10 @@ class Program:
     @property
     def pid(self) -> int:
         return self._process.pid
+
+    @property
+    def is_running(self) -> bool:
+        return self._process.poll() is None
 
     @property
     def output(self) -> str:
@@ -453,13 +458,26 @@ def shared_node(
     Discovery takes ROS programs seconds. The node has its own domain, so that it does not
     interfere with the module's other tests. A test must not end the node.
     """
+    log = tmp_path_factory.mktemp('shared') / 'node.log'
+    with own_domain(ros_environment, log, small_model_file) as (program, node, listener):
+        active_node = NodeUnderTest(
+            program, Camera(node), PublishedEstimates(listener), NodeServices(node)
+        )
+        assert active_node.services.change('configure'), program.output
+        yield active_node
+
+
+@contextmanager
+def own_domain(
+    ros_environment: dict[str, str], log: Path, model: Path
+) -> Iterator[tuple[Program, Node, Listener]]:
+    """Start an unconfigured node, a probe and a listener in a domain of their own."""
     with _probe():  # occupies the domain of the other tests
         environment = ros_environment | {'ROS_DOMAIN_ID': isolated_environment()['ROS_DOMAIN_ID']}
     assert environment['ROS_DOMAIN_ID'] != ros_environment['ROS_DOMAIN_ID']
     # Each frame alone, unless a test is about time.
-    values = {'model': small_model_file, 'autostart': False, 'temporal': False}
+    values = {'model': model, 'autostart': False, 'temporal': False}
     words = [word for name, value in values.items() for word in ('-p', f'{name}:={value}')]
-    log = tmp_path_factory.mktemp('shared') / 'node.log'
     with ExitStack() as stack:
         with pytest.MonkeyPatch.context() as patch:
             patch.setenv('ROS_DOMAIN_ID', environment['ROS_DOMAIN_ID'])
@@ -468,14 +486,8 @@ def shared_node(
         program = Program(
             ['-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *words], log, environment
         )
-        try:
-            active_node = NodeUnderTest(
-                program, Camera(node), PublishedEstimates(listener), NodeServices(node)
-            )
-            assert active_node.services.change('configure'), program.output
-            yield active_node
-        finally:
-            program.kill()
+        stack.callback(program.kill)
+        yield program, node, listener
 
 
 @pytest.fixture

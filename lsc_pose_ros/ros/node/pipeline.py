@@ -28,6 +28,7 @@ from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
+from lsc_pose_ros.ros.health.state_log import StateLog
 from lsc_pose_ros.ros.health.stream_monitor import StreamMonitor
 from lsc_pose_ros.ros.health.stream_warnings import Counters
 from lsc_pose_ros.ros.health.throttled_log import ThrottledLog, kind_of
@@ -71,6 +72,7 @@ class Pipeline:
         self._parameters = parameters
         self._resources = resources
         self._log = ThrottledLog(node.get_logger())
+        self._states = StateLog(node.get_logger())
         self._temporal_estimator = TemporalEstimator(resources.estimator(parameters), parameters)
         self._outputs = resources.outputs
         self._outputs.parameters = parameters
@@ -166,16 +168,15 @@ class Pipeline:
 
     def _log_frames(self) -> None:
         """Log how frames are made, when that changes, and what is suspicious."""
-        camera, roll = self._maker.camera, self._maker.roll_finder.choice
-        if camera != self._diagnostics.notes.get('camera'):
-            self._diagnostics.notes['camera'] = camera
-            self._node.get_logger().info(f'{self.inputs.topics.camera_info}: {camera}')
-        if roll != self._diagnostics.notes.get('camera roll'):
-            self._diagnostics.notes['camera roll'] = roll
-            self._node.get_logger().info(roll)
-        if self._maker.bodies != self._diagnostics.notes.get('bodies'):
-            self._diagnostics.notes['bodies'] = self._maker.bodies
-            self._node.get_logger().info(self._maker.bodies)
+        states = {
+            'camera': self._maker.camera,
+            'camera roll': self._maker.roll_finder.choice,
+            'bodies': self._maker.bodies,
+        }
+        self._diagnostics.notes.update(states)
+        states['camera'] = f'{self.inputs.topics.camera_info}: {states["camera"]}'
+        for name, text in states.items():
+            self._states.update(name, text)
         for warning in self._maker.warnings:
             if warning not in self._warned:
                 self._warned.add(warning)

@@ -17,10 +17,12 @@
 
 import io
 import struct
+import zlib
 
 import numpy as np
 import pytest
 from PIL import Image
+from PIL.PngImagePlugin import PngImageFile
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.codecs.compressed_depth import (
@@ -140,3 +142,19 @@ def test_png_with_colours_is_refused():
     Image.new('RGB', (4, 4)).save(stream, 'PNG')
     with pytest.raises(InputError, match='mode RGB'):
         read_png(stream.getvalue())
+
+
+@pytest.mark.filterwarnings('ignore::PIL.Image.DecompressionBombWarning')
+@pytest.mark.parametrize('size', [(10**4, 10**4), (2**31 - 1, 1), (10**9, 10**9)])
+def test_png_that_claims_more_pixels_than_any_camera_has_is_not_loaded(size, monkeypatch):
+    header = struct.pack('>IIBBBBB', *size, 16, 0, 0, 0, 0)
+    chunks = ((b'IHDR', header), (b'IDAT', zlib.compress(bytes(100))), (b'IEND', b''))
+    data = b'\x89PNG\r\n\x1a\n' + b''.join(
+        struct.pack('>I', len(body)) + kind + body + struct.pack('>I', zlib.crc32(kind + body))
+        for kind, body in chunks
+    )
+    loaded = []
+    monkeypatch.setattr(PngImageFile, 'load', lambda _: loaded.append(1))
+    with pytest.raises(InputError, match=r'pixels|DecompressionBomb'):
+        read_png(data)
+    assert not loaded
