@@ -2,6 +2,8 @@
 
 PYTHON ?= python3
 
+MINUTES ?= 30
+
 VENV := .venv
 BIN := $(VENV)/bin
 
@@ -41,7 +43,7 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts fuzz model body-parts benchmarks benchmarks-live clean
+.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts fuzz model body-parts benchmarks benchmarks-live soak bounds clean
 
 help:
 	@echo 'make demo             start the live node and check its skeletons; train another model'
@@ -56,11 +58,13 @@ help:
 	@echo '                      MOCAP=DIR for motion capture'
 	@echo 'make benchmarks       the curves of benchmarks/; nothing else may run meanwhile'
 	@echo 'make benchmarks-live  the table of the live node, in seven minutes'
+	@echo 'make soak MINUTES=30  the live node under faults; a report and a plot in the folder soak'
+	@echo 'make bounds           the tests of the method with checks of all indices of the kernels'
 	@echo 'make clean            remove all that these targets made'
 
 install: $(VENV)/installed
 
-test: lint test-floor test-newest-numpy test-newest
+test: lint test-floor test-newest-numpy test-newest bounds
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
@@ -91,6 +95,12 @@ else
 	@echo 'Skipped: the newest numpy needs Python 3.12 or newer, and none is installed.'
 endif
 
+# Without these checks, an index outside of an array is a wrong number, or the end of the process.
+# The checked kernels have a cache of their own.
+BOUNDS_TESTS := test/test_absurd_input.py test/camera test/pose test/segmentation test/body_parts test/tracking test/messages
+bounds: $(VENV)/installed
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python -m pytest -p no:cacheprovider $(BOUNDS_TESTS)
+
 demo: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.demo --directory demo
 
@@ -116,8 +126,11 @@ benchmarks: $(VENV)/installed
 benchmarks-live: $(VENV)/installed
 	$(BIN)/python benchmarks/live.py
 
+soak: $(VENV)/installed
+	$(BIN)/python benchmarks/soak.py --minutes $(MINUTES)
+
 clean:
-	rm -rf $(VENV) $(FLOOR) $(COLCON) .venv-3.* demo build install log dist *.egg-info experiments/build experiments/*.egg-info
+	rm -rf $(VENV) $(FLOOR) $(COLCON) .venv-3.* demo soak build install log dist *.egg-info experiments/build experiments/*.egg-info
 	rm -rf .mypy_cache .pytest_cache .ruff_cache .import_linter_cache
 	find lsc_pose_ros test launch -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -39,7 +39,7 @@ _START_TIMEOUT = 180.0
 _END_TIMEOUT = 20.0
 _SAMPLING_PERIOD = 1.0
 _SAMPLES = 100  # about so many readings of the memory are kept in the results
-_LAST_DIAGNOSTICS = 2.5  # the node publishes them each second
+LAST_DIAGNOSTICS = 2.5  # the node publishes them each second
 
 # The node's counters of what is left unanswered.
 _DROPS = (
@@ -109,7 +109,7 @@ def measure(setup: Setup, recording: Path, model: Path, folder: Path) -> dict[st
 
 def _observe(setup: Setup, recording: Path, model: Path, folder: Path) -> Observed:
     before = os.getloadavg()[0]
-    environment = _environment()
+    environment = own_environment()
     notes = folder / 'heard.json'
     node_words = [
         '-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={model}',
@@ -122,20 +122,20 @@ def _observe(setup: Setup, recording: Path, model: Path, folder: Path) -> Observ
         *(['--without-masks'] if setup.room else []),
     ]  # fmt: skip
     with (
-        _program(node_words, folder / 'node.log', environment) as node,
-        _program(
+        run_program(node_words, folder / 'node.log', environment) as node,
+        run_program(
             [str(_HERE / 'live_listener.py'), str(notes)], folder / 'listener.log', environment
         ) as listener,
     ):
-        _wait_for('ready', node, folder / 'node.log')
-        _wait_for('listening', listener, folder / 'listener.log')
-        with _program(camera_words, folder / 'camera.log', environment) as camera:
-            usages = list(_sample(node, camera))
+        wait_for('ready', node, folder / 'node.log')
+        wait_for('listening', listener, folder / 'listener.log')
+        with run_program(camera_words, folder / 'camera.log', environment) as camera:
+            usages = list(sample(node, camera))
         told = (folder / 'camera.log').read_text(encoding='utf-8')
         if camera.returncode or node.poll() is not None:
-            raise InputError(_failure(folder))
-        time.sleep(_LAST_DIAGNOSTICS)
-        _end_input(listener)
+            raise InputError(failure(folder))
+        time.sleep(LAST_DIAGNOSTICS)
+        end_input(listener)
     return Observed(
         json.loads(told.splitlines()[-1]),
         json.loads(notes.read_text(encoding='utf-8')),
@@ -144,14 +144,15 @@ def _observe(setup: Setup, recording: Path, model: Path, folder: Path) -> Observ
     )
 
 
-def _environment() -> dict[str, str]:
+def own_environment() -> dict[str, str]:
+    """Return the variables of an isolated ROS domain, for programs that use this package."""
     # Our programs find the package where this one has found it.
     paths = [str(Path(lsc_pose_ros.__file__).parents[1]), os.environ.get('PYTHONPATH', '')]
     return isolated_environment() | {'PYTHONPATH': os.pathsep.join(filter(None, paths))}
 
 
 @contextmanager
-def _program(
+def run_program(
     words: Sequence[str], log: Path, environment: Mapping[str, str]
 ) -> Iterator[subprocess.Popen[bytes]]:
     """Run a Python program; it is ended at the end, where it has not ended by itself."""
@@ -174,31 +175,38 @@ def _program(
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
-        _end_input(process)
+        end_input(process)
 
 
-def _end_input(process: subprocess.Popen[bytes]) -> None:
+def end_input(process: subprocess.Popen[bytes]) -> None:
+    """Close the standard input of a program, and wait until it has ended."""
     if process.stdin is not None and not process.stdin.closed:
         process.stdin.close()
         if process.poll() is None:
             process.wait(_END_TIMEOUT)
 
 
-def _wait_for(word: str, process: subprocess.Popen[bytes], log: Path) -> None:
+def wait_for(word: str, process: subprocess.Popen[bytes], log: Path) -> None:
+    """Wait until a program has written `word`.
+
+    Raises:
+        InputError: it has ended, or takes too long.
+    """
     deadline = time.monotonic() + _START_TIMEOUT
     while word not in log.read_text(encoding='utf-8'):
         if process.poll() is not None or time.monotonic() > deadline:
-            raise InputError(_failure(log.parent))
+            raise InputError(failure(log.parent))
         time.sleep(0.05)
 
 
-def _failure(folder: Path) -> str:
+def failure(folder: Path) -> str:
+    """Return what the logs in `folder` say."""
     logs = (path.read_text(encoding='utf-8').strip() for path in sorted(folder.glob('*.log')))
     told = ' / '.join(' '.join(log.split()) for log in logs if log)
     return f'the live node was not measured; the programs say: {told}'
 
 
-def _sample(node: subprocess.Popen[bytes], camera: subprocess.Popen[bytes]) -> Iterator[Usage]:
+def sample(node: subprocess.Popen[bytes], camera: subprocess.Popen[bytes]) -> Iterator[Usage]:
     """Yield what the node takes, while the camera is there."""
     while camera.poll() is None and node.poll() is None:
         yield read_usage(node.pid)
@@ -232,18 +240,18 @@ def _summary(setup: Setup, observed: Observed) -> dict[str, Any]:
             'max': max(latencies),
         },
         'processor_share': _share(usages),
-        'memory_mb': _memory(usages),
+        'memory_mb': memory_of(usages),
         'sent': camera['sent'],
         'answers': len(answers),
         'joints_an_answer': float(np.mean([found for *_, found in answers])),
         'drops': drops,
-        'unaccounted': camera['sent'] - len(answers) - _told_of(drops) if drops else None,
+        'unaccounted': camera['sent'] - len(answers) - told_of(drops) if drops else None,
         'stages_ms_p50': _stages([values for time, values in diagnostics if time >= begin]),
         'load_average': {'before': observed.load[0], 'after': observed.load[1]},
     }
 
 
-def _told_of(drops: Mapping[str, int]) -> int:
+def told_of(drops: Mapping[str, int]) -> int:
     """Return how many images stayed unanswered, but were counted where they were left out."""
     return sum(drops[name] for name in ('replaced', 'unmatched depth', 'duplicates', 'late'))
 
@@ -254,7 +262,7 @@ def _share(usages: Sequence[Usage]) -> float:
     return (last.processor - first.processor) / (1e-9 * (last.time - first.time))
 
 
-def _memory(usages: Sequence[Usage]) -> dict[str, Any]:
+def memory_of(usages: Sequence[Usage]) -> dict[str, Any]:
     """Return how memory goes.
 
     A reading may fall into a frame's work, which takes megabytes for some milliseconds; the

@@ -26,6 +26,7 @@ from lsc_pose_ros.cli.main import COMMANDS, load
 
 ROOT = Path(__file__).parents[1]
 DOCS = sorted((ROOT / 'docs').glob('*.md'))
+RELIABILITY = ROOT / 'docs' / 'reliability.md'
 PAGES_OF_FOLDERS = [
     ROOT / 'models' / 'README.md',
     ROOT / 'benchmarks' / 'README.md',
@@ -155,5 +156,26 @@ def test_code_that_is_linked_by_name_is_in_the_linked_file(document: Path) -> No
 
 @pytest.mark.parametrize('document', DOCS, ids=name_of)
 def test_identifiers_that_are_named_exist(document: Path) -> None:
-    named = set(re.findall(r'`([a-z]+(?:_[a-z]+)+)`', text_of(document)))
+    names = re.findall(r'`([a-z]+(?:_[a-z]+)+)`', text_of(document))
+    named = {name for name in names if not name.startswith('test_')}
     assert named - words_of_the_sources() - OTHER_NAMES == set()
+
+
+def test_each_row_of_the_table_of_faults_names_a_test() -> None:
+    rows = re.findall(r'^\| (?!fault|---)(.+) \|$', text_of(RELIABILITY), re.MULTILINE)
+    assert len(rows) > 30
+    for row in rows:
+        assert re.search(r'\[`test_\w+`\]\(\.\./test/', row), row
+
+
+def test_each_test_of_a_fault_is_in_the_table() -> None:
+    """Whether the tests that the table names exist is tested with the other links."""
+    folder = ROOT / 'test' / 'ros' / 'faults'
+    tests = {
+        (name, path.name)
+        for path in folder.glob('test_*.py')
+        for name in re.findall(r'^def (test_\w+)', text_of(path), re.MULTILINE)
+    }
+    assert len(tests) > 30
+    links = re.findall(r'\[`(test_\w+)`\]\([^)]*/(\w+\.py)\)', text_of(RELIABILITY))
+    assert tests <= set(links)

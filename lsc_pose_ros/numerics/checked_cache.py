@@ -24,6 +24,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
+from numba import config
 from numba.core.caching import FunctionCache, IndexDataCacheFile
 
 from lsc_pose_ros.numerics.source_hash import source_hash
@@ -41,6 +42,7 @@ class CheckedCache(FunctionCache):
     and numba. This one also
 
     - recompiles a kernel when another file that it uses has changed, e.g. after an update;
+    - keeps code with and without checks of the indices (NUMBA_BOUNDSCHECK) apart;
     - recompiles a kernel when its cached file is damaged, and works with a full disk;
     - lets one process at a time read or write, because an entry is two files.
     """
@@ -56,6 +58,9 @@ class CheckedCache(FunctionCache):
         super().__init__(function)
         stamp = self._impl.locator.get_source_stamp(), source_hash(function.__module__)
         self._cache_file = IndexDataCacheFile(self.cache_path, self._impl.filename_base, stamp)
+
+    def _index_key(self, sig: object, codegen: object) -> object:
+        return super()._index_key(sig, codegen), bool(getattr(config, 'BOUNDSCHECK', False))
 
     def load_overload(self, sig: object, target_context: object) -> object:
         """Return the code for a signature, or None if it is not cached."""

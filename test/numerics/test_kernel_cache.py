@@ -176,6 +176,19 @@ def test_change_in_an_unused_file_keeps_the_cache(installation: Installation) ->
     assert installation.call() == (4.0, 1)
 
 
+def test_code_with_checks_of_indices_is_kept_apart(installation: Installation) -> None:
+    installation.write('outer', OUTER.replace('scale(x) + 1', 'np.ones(1)[int(x) + 5]'))
+    text = (installation.numerics / 'outer.py').read_text()
+    installation.write('outer', f'import numpy as np\n{text}')
+    installation.call()  # reads what happens to be there
+    code = f'try:\n    {CALL.strip().splitlines()[0]}\n    outer(1.5)\n'
+    code += 'except IndexError:\n    print("checked")\nelse:\n    print("not checked")'
+    assert installation.run(code) == ['not checked']
+    assert installation.run(code, NUMBA_BOUNDSCHECK='1') == ['checked']
+    assert installation.run(code) == ['not checked']
+    assert installation.run(code, NUMBA_BOUNDSCHECK='1') == ['checked']
+
+
 def truncate(file: Path) -> None:
     file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
 

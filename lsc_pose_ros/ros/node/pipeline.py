@@ -87,6 +87,7 @@ class Pipeline:
             self._transform_listener = TransformListener(node, self._maker.roll_finder)
         self._warned: set[str] = set()
         self._beyond = 0
+        self._failed = 0
         self._was_ready = True
         self._log_learning()
         # A bound method would be a reference cycle, which keeps the model after `close`.
@@ -196,6 +197,8 @@ class Pipeline:
         if not self._node.context.ok():
             return  # publishing fails while the node shuts down, which is no problem
         self._diagnostics.measurements.count_failure()
+        self._failed += 1
+        self._diagnostics.notes['failed'] = str(self._failed)
         if isinstance(error, InputError):
             self._log.error(kind_of(error), str(error))
         else:
