@@ -64,7 +64,7 @@ help:
 
 install: $(VENV)/installed
 
-test: lint test-floor test-newest-numpy test-newest bounds
+test: lint test-floor test-newest-numpy test-newest
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
