@@ -48,8 +48,11 @@ EXTRAS = {
     ],
     # `lsc_pose import utd-mhad` reads MATLAB files.
     'mat': ['scipy>=1.11'],
+    # `lsc_pose label --from c3d` reads C3D files.
+    'c3d': ['c3d>=0.5'],
     'test': [
         'hypothesis>=6.100',
+        'c3d>=0.5',
         'import-linter>=2.0',
         'mypy==2.4.1',
         'pytest>=7.4,<10',

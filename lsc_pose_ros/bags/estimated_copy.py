@@ -15,10 +15,10 @@
 
 """Writes a copy of a recording with estimated skeletons, as a live node would publish them."""
 
-import struct
 from collections.abc import Iterator
 
-from lsc_pose_ros.bags import FrameReader, RecordingWriter, SerializedMessage, read_messages
+from lsc_pose_ros.bags import FrameReader, RecordingWriter
+from lsc_pose_ros.bags.message_copier import MessageCopier
 from lsc_pose_ros.bags.serialization.serialize import markers_message, skeletons_message
 from lsc_pose_ros.camera.roll import in_camera_frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -29,8 +29,6 @@ from lsc_pose_ros.settings.table import DrawingSettings
 
 SKELETONS_TOPIC = '/pose_node/skeletons'
 MARKERS_TOPIC = '/pose_node/joint_markers'
-
-_LITTLE_ENDIAN = 1
 
 _DEFAULT_DRAWING = DrawingSettings()
 
@@ -54,7 +52,8 @@ def write_estimated_copy(
     Yields:
         Each estimate, after it is written.
     """
-    copier = _MessageCopier(frames, writer)
+    topics = frozenset(filter(None, frames.topics)) | frames.transform_topics
+    copier = MessageCopier(frames, writer, topics)
     marker_updater = MarkerUpdater(temporal_estimator.estimator.model.edges)
     for frame in frames:
         log_time = copier.copy_up_to(frame.stamp)
@@ -68,46 +67,3 @@ def write_estimated_copy(
         writer.write(MARKERS_TOPIC, MARKER_ARRAY, log_time, markers_message(*head, shapes))
         yield skeletons
     copier.copy_rest()
-
-
-class _MessageCopier:
-    """Copies recorded messages in step with the frames, in bounded memory."""
-
-    def __init__(self, frames: FrameReader, writer: RecordingWriter) -> None:
-        self._writer = writer
-        self._depth_topic = frames.topics.depth
-        self._topics = frozenset(filter(None, frames.topics)) | frames.transform_topics
-        self._messages = iter(read_messages(frames.path))
-        self._log_times: dict[int, int] = {}
-
-    def copy_up_to(self, stamp: int) -> int:
-        """Copy messages up to the depth image with `stamp`; return its log time, nanoseconds."""
-        while stamp not in self._log_times:
-            message = next(self._messages, None)
-            if message is None:
-                return stamp
-            self._copy(message)
-        log_time = self._log_times.pop(stamp)
-        # Frames come in order: an older image has no mask, and its log time is not needed.
-        for older in [each for each in self._log_times if each < stamp]:
-            del self._log_times[older]
-        return log_time
-
-    def copy_rest(self) -> None:
-        """Copy the messages after the last frame."""
-        for message in self._messages:
-            self._copy(message)
-
-    def _copy(self, message: SerializedMessage) -> None:
-        if message.topic not in self._topics:
-            return
-        self._writer.write(message.topic, message.type_name, message.log_time, message.data)
-        if message.topic == self._depth_topic:
-            self._log_times[_stamp(message.data)] = message.log_time
-
-
-def _stamp(data: bytes) -> int:
-    """Return the stamp of a serialized message that begins with a header, nanoseconds."""
-    order = '<' if data[1] & _LITTLE_ENDIAN else '>'
-    seconds, nanoseconds = struct.unpack_from(f'{order}iI', data, 4)
-    return int(seconds) * 1_000_000_000 + int(nanoseconds)

@@ -21,6 +21,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.data_types.rotation import rotation_matrix
+
 # Deeper trees are cycles.
 _DEEPEST = 100
 
@@ -80,22 +82,6 @@ class TransformTree:
             transform = self._transforms.get(frame)
             if transform is None:
                 return
-            rotation = _matrix(transform.rotation) @ rotation
+            rotation = rotation_matrix(transform.rotation) @ rotation
             frame = transform.parent
             yield frame, rotation
-
-
-def _matrix(rotation: Rotation) -> NDArray[np.float64]:
-    """Return the rotation matrix of a quaternion, which need not have unit length."""
-    x, y, z, w = rotation
-    square = x * x + y * y + z * z + w * w
-    if not square > 0 or not np.isfinite(square):
-        return np.eye(3)
-    scale = 2 / square
-    return np.array(
-        [
-            [1 - scale * (y * y + z * z), scale * (x * y - z * w), scale * (x * z + y * w)],
-            [scale * (x * y + z * w), 1 - scale * (x * x + z * z), scale * (y * z - x * w)],
-            [scale * (x * z - y * w), scale * (y * z + x * w), 1 - scale * (x * x + y * y)],
-        ]
-    )

@@ -72,6 +72,10 @@ COMMANDS: dict[str, Command] = {
         'lsc_pose_ros.cli.commands.import_command',
         'convert a public data set into a labelled recording',
     ),
+    'label': Command(
+        'lsc_pose_ros.cli.commands.label_command',
+        'add labels from another program to a recording',
+    ),
     'synth': Command(
         'lsc_pose_ros.cli.commands.synth_command',
         'generate a labelled recording of synthetic people',

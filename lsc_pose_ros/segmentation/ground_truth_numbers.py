@@ -38,29 +38,36 @@ def numbered_as_ground_truth(
         camera: the intrinsics.
     """
     bodies = np.unique(labels[labels != NO_BODY])
-    joints_on = np.array(
-        [_joints_on(labels, bodies, positions, camera) for positions in ground_truth.positions]
+    counts = np.array(
+        [joints_on(labels, bodies, positions, camera) for positions in ground_truth.positions]
     ).reshape(len(ground_truth.bodies), len(bodies))
     free = int(max([*ground_truth.bodies.tolist(), 0])) + 1
     numbers = {int(body): free + rank for rank, body in enumerate(bodies)}
-    while joints_on.size and joints_on.max() > 0:
-        skeleton, rank = np.unravel_index(int(joints_on.argmax()), joints_on.shape)
+    while counts.size and counts.max() > 0:
+        skeleton, rank = np.unravel_index(int(counts.argmax()), counts.shape)
         numbers[int(bodies[rank])] = int(ground_truth.bodies[skeleton])
-        joints_on[skeleton] = 0
-        joints_on[:, rank] = 0
+        counts[skeleton] = 0
+        counts[:, rank] = 0
     numbered = np.full_like(labels, NO_BODY)
     for body, number in numbers.items():
         numbered[labels == body] = number
     return numbered
 
 
-def _joints_on(
+def joints_on(
     labels: NDArray[np.int32],
     bodies: NDArray[np.int32],
     positions: NDArray[np.float32],
     camera: Intrinsics,
 ) -> NDArray[np.int64]:
-    """Return how many of a skeleton's joints are on the pixels of each body, shape (B,)."""
+    """Return how many joints of one skeleton are on the pixels of each body, shape (B,).
+
+    Args:
+        labels: the body number of each pixel, shape (H, W).
+        bodies: the numbers that are counted, shape (B,).
+        positions: metres, NaN if unknown, shape (J, 3).
+        camera: the intrinsics.
+    """
     pixels = project(positions, camera)
     pixels = np.rint(pixels[np.isfinite(pixels).all(axis=-1)])
     height, width = labels.shape

@@ -56,7 +56,7 @@ def read_image(data: bytes) -> StampedImage:
     Raises:
         DamagedMessageError: the bytes are no such message.
     """
-    return _read(data, IMAGE, parse_image)
+    return read_as(data, IMAGE, parse_image)
 
 
 def read_compressed_image(data: bytes) -> StampedCompressedImage:
@@ -65,7 +65,7 @@ def read_compressed_image(data: bytes) -> StampedCompressedImage:
     Raises:
         DamagedMessageError: the bytes are no such message.
     """
-    return _read(data, COMPRESSED_IMAGE, parse_compressed_image)
+    return read_as(data, COMPRESSED_IMAGE, parse_compressed_image)
 
 
 def read_camera_info(data: bytes, source: ImageSource = ANY_SOURCE) -> StampedCamera:
@@ -79,7 +79,7 @@ def read_camera_info(data: bytes, source: ImageSource = ANY_SOURCE) -> StampedCa
         DamagedMessageError: the bytes are no such message.
         InputError: as `image_camera`.
     """
-    return _read(data, CAMERA_INFO, partial(parse_camera_info, source=source))
+    return read_as(data, CAMERA_INFO, partial(parse_camera_info, source=source))
 
 
 def read_transforms(data: bytes) -> list[FrameTransform]:
@@ -88,7 +88,7 @@ def read_transforms(data: bytes) -> list[FrameTransform]:
     Raises:
         DamagedMessageError: the bytes are no such message.
     """
-    return _read(data, TF_MESSAGE, parse_transforms)
+    return read_as(data, TF_MESSAGE, parse_transforms)
 
 
 def read_skeletons(data: bytes) -> StampedSkeletons:
@@ -98,10 +98,16 @@ def read_skeletons(data: bytes) -> StampedSkeletons:
         DamagedMessageError: the bytes are no such message.
         InputError: the cloud carries no skeletons.
     """
-    return _read(data, POINT_CLOUD, parse_skeletons)
+    return read_as(data, POINT_CLOUD, parse_skeletons)
 
 
-def _read(data: bytes, type_name: str, parse: Callable[[Any], Values]) -> Values:
+def read_as(data: bytes, type_name: str, parse: Callable[[Any], Values]) -> Values:
+    """Return what `parse` makes of the message that `data` holds.
+
+    Raises:
+        DamagedMessageError: the bytes are no message of the type `type_name`.
+        InputError: as `parse`.
+    """
     try:
         # A view, so that the pixels of an image are not copied.
         return parse(typestore().deserialize_cdr(memoryview(data), type_name))

@@ -1,0 +1,188 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""`lsc_pose label`: adds labels from another program to a recording."""
+
+import argparse
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording
+from lsc_pose_ros.cli.input.label_sources import SOURCES, open_label_source
+from lsc_pose_ros.cli.options.numbers import float_from_zero, positive_float
+from lsc_pose_ros.cli.options.setting_options import settings_from
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
+from lsc_pose_ros.settings.table import MASK, FrameSettings
+
+HELP = """Add labels (ground_truth/skeletons) to a recording, from what another program knows about
+the joints. docs/labels.md is a tutorial."""
+
+# Half of what a camera of 10 Hz leaves between two images.
+_LONGEST_GAP = 0.1
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the arguments of the command to `parser`."""
+    parser.add_argument(
+        'recording',
+        type=Path,
+        metavar='RECORDING',
+        help='the recording: an .mcap or .db3 file, or a bag folder',
+    )
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=Path,
+        metavar='LABELLED',
+        help='the labelled recording: LABELLED.mcap, or a bag folder',
+    )
+    _add_source_options(parser)
+    add_topic_arguments(parser)
+
+
+def _add_source_options(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group('where the labels come from')
+    group.add_argument(
+        '--from',
+        dest='source_kind',
+        choices=SOURCES,
+        help='; '.join(f'{name}: {text}' for name, text in SOURCES.items()),
+    )
+    group.add_argument(
+        '--source',
+        type=Path,
+        nargs='+',
+        metavar='PATH',
+        help='the file with the labels; for tf, markers and skeletons, another recording '
+        '(default: RECORDING)',
+    )
+    group.add_argument(
+        '--topic', default='', metavar='TOPIC', help='the topic of markers or skeletons'
+    )
+    group.add_argument(
+        '--frames', type=Path, metavar='YAML', help='for tf: which frame is which joint'
+    )
+    group.add_argument(
+        '--joints',
+        metavar='VOCABULARY',
+        help='the joint vocabulary: a name, such as azure or coco, or a .yaml file (default: '
+        'azure for markers, coco for keypoints, plug_in_gait for c3d, else our own names)',
+    )
+    group.add_argument(
+        '--extrinsic',
+        type=Path,
+        metavar='YAML',
+        help="the pose of the camera's optical frame in the frame of the labels (default: from "
+        'TF; a CSV file is in the frame of the camera)',
+    )
+    group.add_argument(
+        '--scale',
+        type=positive_float,
+        metavar='METRES',
+        help='metres per unit of a csv, bvh or c3d file (default: 1; for c3d what the file says)',
+    )
+    group.add_argument(
+        '--time-offset',
+        type=float,
+        default=0.0,
+        metavar='SECONDS',
+        help='is added to the times of the labels (default: %(default)s)',
+    )
+    group.add_argument(
+        '--max-gap',
+        type=float_from_zero,
+        default=_LONGEST_GAP,
+        metavar='SECONDS',
+        help='labels are interpolated between two that are at most so far apart, and left out '
+        'in longer gaps (default: %(default)s)',
+    )
+    group.add_argument(
+        '--min-confidence',
+        type=float_from_zero,
+        default=0.0,
+        metavar='C',
+        help='leave out keypoints and joints of skeletons with less (default: %(default)s)',
+    )
+    group.add_argument(
+        '--anatomy',
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help='add the offsets of the vocabulary, which put the joints where they are in our '
+        'anatomy (default: %(default)s)',
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the labelled recording and return the exit status.
+
+    Raises:
+        InputError: the recording, the source or the output cannot be used.
+    """
+    _check(arguments)
+    reader = open_unturned(arguments)
+    first = next(iter(reader))
+    source = open_label_source(arguments, first)
+    counts = LabelCounts()
+    with RecordingWriter(arguments.output) as writer:
+        frames = write_labelled_copy(reader, source, writer, counts)
+        for _ in progress(frames, reader.count, 'labelling'):
+            pass
+        _check_labels(counts, [*source.warnings, *reader.warnings])
+    for warning in [*source.warnings, *reader.warnings]:
+        print(f'lsc_pose: warning: {warning}', file=sys.stderr)
+    _print(arguments.output, counts)
+    return 0
+
+
+def open_unturned(arguments: argparse.Namespace) -> FrameReader:
+    """Open the recording; its frames are as the camera took them, with masks if it has any."""
+    settings = replace(settings_from(arguments, FrameSettings), camera_roll='0', segmentation=MASK)
+    topics = topics_of(arguments)
+    return open_recording(arguments.recording, topics, settings=settings, need_mask=False)
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    if arguments.source_kind is None or arguments.output is None:
+        msg = f'name the source of the labels with --from ({", ".join(SOURCES)}), and -o LABELLED'
+        raise InputError(msg)
+    if arguments.output.exists() and arguments.output.samefile(arguments.recording):
+        msg = f'{arguments.output} is the recording itself; choose another name'
+        raise InputError(msg)
+
+
+def _check_labels(counts: LabelCounts, warnings: list[str]) -> None:
+    """Raise InputError, so that nothing is written, if no frame is labelled."""
+    if counts.labelled:
+        return
+    reasons = '; '.join(warnings) or (
+        f'{counts.unmatched} bodies are not on any mask'
+        if counts.unmatched
+        else 'no label has the time of a depth image (shift them with --time-offset)'
+    )
+    msg = f'none of the {counts.frames} frames got a label: {reasons}'
+    raise InputError(msg)
+
+
+def _print(output: Path, counts: LabelCounts) -> None:
+    print(
+        f'{output}: {counts.frames} frames, {counts.labelled} of them labelled, '
+        f'{counts.bodies} bodies'
+    )
+    if counts.unmatched:
+        print(f'{counts.unmatched} bodies were left out, because no mask shows them')

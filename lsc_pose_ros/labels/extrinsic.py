@@ -1,0 +1,77 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The pose of the camera in the world of another program, from a YAML file."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.labels.transform_history import TransformHistory
+from lsc_pose_ros.labels.vocabulary import read_yaml
+from lsc_pose_ros.messages.label_messages import StampedTransform
+
+WORLD = 'world'
+"""The frame of files that name none."""
+
+_KEYS = {'parent', 'translation', 'rotation'}
+
+
+class Extrinsic(NamedTuple):
+    """The pose of the camera's optical frame in a parent frame.
+
+    Attributes:
+        parent: the name of the parent frame.
+        translation: metres.
+        rotation: a quaternion (x, y, z, w).
+    """
+
+    parent: str
+    translation: tuple[float, float, float]
+    rotation: tuple[float, float, float, float]
+
+    def add_to(self, transforms: TransformHistory, camera: str) -> None:
+        """Add the pose to `transforms`, in place of any pose that `camera` has there."""
+        transforms.forget(camera)
+        transforms.add(
+            StampedTransform(0, self.parent, camera, self.translation, self.rotation), static=True
+        )
+
+
+def load_extrinsic(path: Path) -> Extrinsic:
+    """Return the pose of the camera in a YAML file with translation, rotation and parent.
+
+    Raises:
+        InputError: the file cannot be read, or has no pose.
+    """
+    loaded = read_yaml(path, 'extrinsic')
+    example = 'translation: [x, y, z] in metres and rotation: [x, y, z, w]'
+    if not isinstance(loaded, dict) or not {'translation', 'rotation'} <= set(loaded) <= _KEYS:
+        msg = f'{path} is no pose of a camera; give {example}, and optionally parent: FRAME'
+        raise InputError(msg)
+    try:
+        t_x, t_y, t_z = np.array(loaded['translation'], np.float64).reshape(3).tolist()
+        rotation = np.array(loaded['rotation'], np.float64).reshape(4)
+    except (TypeError, ValueError) as error:
+        msg = f'{path}: {error}; give {example}'
+        raise InputError(msg) from error
+    length = float(np.linalg.norm(rotation))
+    if not np.isfinite([t_x, t_y, t_z, length]).all() or abs(length - 1) > 0.01:
+        msg = f'{path}: the rotation must be a quaternion of length 1, and all numbers finite'
+        raise InputError(msg)
+    x, y, z, w = (rotation / length).tolist()
+    return Extrinsic(str(loaded.get('parent', WORLD)), (t_x, t_y, t_z), (x, y, z, w))

@@ -1,0 +1,248 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Labels from keypoints in the image, put behind the surface that the depth image shows."""
+
+import json
+import re
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.camera.projection import directions_of
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.joints import JOINT_NAMES
+from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.labels.sources.table_file import TableFormat, read_table
+from lsc_pose_ros.labels.tracks import LabelSettings, skeletons_of
+from lsc_pose_ros.labels.vocabulary import Vocabulary
+
+# Metres from the surface to the joint along z; medians of the joints that the camera sees, of 150
+# synthetic people of all ages.
+DEPTH_BEHIND_SURFACE: Mapping[str, float] = {
+    'head': 0.10, 'neck': 0.07, 'torso': 0.11, 'pelvis': 0.12,
+    'shoulder': 0.06, 'elbow': 0.04, 'wrist': 0.03, 'hand': 0.02,
+    'hip': 0.10, 'knee': 0.05, 'ankle': 0.05, 'foot': 0.05,
+}  # fmt: skip
+"""How far each joint is behind the surface that a camera sees there, metres."""
+
+_SURFACE_TO_JOINT = np.array(
+    [DEPTH_BEHIND_SURFACE[name.removeprefix('l_').removeprefix('r_')] for name in JOINT_NAMES]
+)
+
+# The surface is the nearer side of the depths around the pixel: a limb before the trunk or the
+# wall is meant, and single wrong pixels are not.
+_RADIUS = 2
+_SURFACE_QUANTILE = 0.3
+
+_Key = tuple[str, int]
+
+
+class Keypoints(NamedTuple):
+    """The keypoints of one body in one image.
+
+    Attributes:
+        body: its number.
+        pixels: column and row of the vocabulary's joints, NaN if unknown, shape (S, 2).
+    """
+
+    body: int
+    pixels: NDArray[np.float64]
+
+
+class KeypointLabels:
+    """Labels from the keypoints of each depth image."""
+
+    def __init__(
+        self, keypoints: Mapping[_Key, Sequence[Keypoints]], settings: LabelSettings
+    ) -> None:
+        """Use `keypoints`, by ('stamp', nanoseconds) or ('frame', number)."""
+        self._keypoints = keypoints
+        self._settings = settings
+        self._used = 0
+        self._without_depth = 0
+
+    @property
+    def warnings(self) -> Sequence[str]:
+        """A sentence on keypoints without depth, and on images without a frame."""
+        unused = len(self._keypoints) - self._used
+        return [
+            text
+            for count, text in (
+                (self._without_depth, f'{self._without_depth} keypoints have no depth near them'),
+                (unused, f'{unused} images with keypoints have no depth image of their stamp'),
+            )
+            if count
+        ]
+
+    def at(self, number: int, frame: Frame) -> Skeletons:
+        """Return the labelled bodies of a frame; as `LabelSource.at`."""
+        moment = frame.stamp - self._settings.time_offset
+        people = self._keypoints.get(('stamp', moment), self._keypoints.get(('frame', number)))
+        if people is None:
+            return skeletons_of({})
+        self._used += 1
+        return skeletons_of({person.body: self._joints(person.pixels, frame) for person in people})
+
+    def _joints(self, pixels: NDArray[np.float64], frame: Frame) -> NDArray[np.float64]:
+        flat = np.concatenate([pixels, np.zeros((len(pixels), 1))], axis=1)
+        ours = self._settings.vocabulary.ours(flat)[:, :2]
+        depth = np.array([surface_depth(pixel, frame.depth) for pixel in ours])
+        self._without_depth += int((np.isfinite(ours).all(axis=1) & np.isnan(depth)).sum())
+        z = depth + _SURFACE_TO_JOINT
+        seen = np.asarray(np.isfinite(ours).all(axis=1))
+        known = np.where(seen[:, None], ours, 0.0)
+        directions = directions_of(known[:, 0], known[:, 1], frame.camera)
+        joints = np.stack([directions[:, 0] * z, directions[:, 1] * z, z], axis=1)
+        return np.where(seen[:, None], joints, np.nan)
+
+
+def surface_depth(pixel: NDArray[np.float64], depth: NDArray[np.float32]) -> float:
+    """Return the depth of the surface near a pixel (column, row), metres; NaN if there is none."""
+    height, width = depth.shape
+    if not np.isfinite(pixel).all() or np.abs(pixel).max() > LARGEST_PIXEL:
+        return float('nan')
+    column, row = (int(each) for each in np.rint(pixel))
+    if not (0 <= column < width and 0 <= row < height):
+        return float('nan')
+    rows = slice(max(row - _RADIUS, 0), row + _RADIUS + 1)
+    columns = slice(max(column - _RADIUS, 0), column + _RADIUS + 1)
+    around = depth[rows, columns]
+    around = around[np.isfinite(around) & (around > 0)]
+    return float(np.quantile(around, _SURFACE_QUANTILE)) if around.size else float('nan')
+
+
+LARGEST_PIXEL = 1e6
+
+
+def load_keypoints(
+    path: Path, vocabulary: Vocabulary, start: int, minimum_confidence: float
+) -> dict[_Key, list[Keypoints]]:
+    """Return the keypoints of a CSV or JSON file, or of a folder of OpenPose's JSON files.
+
+    Args:
+        path: the file or the folder.
+        vocabulary: the names or the order of the keypoints.
+        start: the stamp that the column `time` is relative to, nanoseconds.
+        minimum_confidence: keypoints with less are left out; 0 is never a keypoint in JSON.
+
+    Raises:
+        InputError: the file cannot be read, or has another form.
+    """
+    if path.is_dir():
+        return _openpose_folder(path, vocabulary, minimum_confidence)
+    if path.suffix.lower() == '.json':
+        return _coco_results(path, vocabulary, minimum_confidence)
+    return _table(path, vocabulary, start, minimum_confidence)
+
+
+def _table(
+    path: Path, vocabulary: Vocabulary, start: int, minimum_confidence: float
+) -> dict[_Key, list[Keypoints]]:
+    bodies: dict[_Key, dict[int, NDArray[np.float64]]] = defaultdict(dict)
+    form = TableFormat(vocabulary, ('u', 'v'), ('confidence',), start)
+    for row in read_table(path, form):
+        column, line, confidence = row.values
+        if confidence < minimum_confidence:
+            continue
+        key = ('stamp', row.stamp) if row.stamp is not None else ('frame', row.frame or 0)
+        pixels = bodies[key].setdefault(row.body, np.full((len(vocabulary.names), 2), np.nan))
+        pixels[row.joint] = column, line
+    return {
+        key: [Keypoints(body, pixels) for body, pixels in people.items()]
+        for key, people in bodies.items()
+    }
+
+
+def _openpose_folder(
+    folder: Path, vocabulary: Vocabulary, minimum_confidence: float
+) -> dict[_Key, list[Keypoints]]:
+    """Read NAME_NUMBER_keypoints.json; the number is that of the depth image."""
+    found: dict[_Key, list[Keypoints]] = {}
+    for path in sorted(folder.glob('*_keypoints.json')):
+        match = re.search(r'(\d+)_keypoints\.json$', path.name)
+        if match is None:
+            continue
+        people = _json(path)
+        people = people.get('people') if isinstance(people, dict) else None
+        if not isinstance(people, list):
+            msg = f'{path} has no list people; give the files that OpenPose writes'
+            raise InputError(msg)
+        found['frame', int(match.group(1))] = [
+            Keypoints(
+                number,
+                _triples(path, person.get('pose_keypoints_2d'), vocabulary, minimum_confidence),
+            )
+            for number, person in enumerate(people, start=1)
+        ]
+    if not found:
+        msg = f'{folder} has no file NAME_NUMBER_keypoints.json, as OpenPose writes them'
+        raise InputError(msg)
+    return found
+
+
+def _coco_results(
+    path: Path, vocabulary: Vocabulary, minimum_confidence: float
+) -> dict[_Key, list[Keypoints]]:
+    """Read a list of {image_id, keypoints}; the id is the number of the depth image, or stamp."""
+    people = _json(path)
+    if not isinstance(people, list) or not all(
+        isinstance(person, dict) and isinstance(person.get('image_id'), int) for person in people
+    ):
+        msg = f'{path} is no list of {{image_id: NUMBER, keypoints: [x, y, c, ...]}}'
+        raise InputError(msg)
+    found: dict[_Key, list[Keypoints]] = defaultdict(list)
+    for person in people:
+        kind = 'stamp' if person['image_id'] > _MOST_FRAMES else 'frame'
+        body = int(person.get('track_id', len(found[kind, person['image_id']]) + 1))
+        pixels = _triples(path, person.get('keypoints'), vocabulary, minimum_confidence)
+        found[kind, person['image_id']].append(Keypoints(body, pixels))
+    return dict(found)
+
+
+_MOST_FRAMES = 1_000_000_000_000
+
+
+def _json(path: Path) -> Any:  # noqa: ANN401 - anything that JSON holds
+    try:
+        return json.loads(path.read_text(encoding='utf-8'))
+    except OSError as error:
+        msg = f'cannot read {path}: {error.strerror or error}'
+        raise InputError(msg) from error
+    except ValueError as error:
+        msg = f'{path} is not valid JSON: {error}'
+        raise InputError(msg) from error
+
+
+def _triples(
+    path: Path, values: object, vocabulary: Vocabulary, minimum_confidence: float
+) -> NDArray[np.float64]:
+    """Return the pixels, shape (S, 2), in a list x, y, confidence, x, y, confidence, ..."""
+    count = len(vocabulary.names)
+    if not isinstance(values, list) or len(values) != 3 * count:
+        given = len(values) if isinstance(values, list) else 0
+        msg = (
+            f'{path}: a person has {given} numbers, but the {count} joints of the vocabulary '
+            f'{vocabulary.path.stem} have {3 * count}; name another with --joints'
+        )
+        raise InputError(msg)
+    triples = np.array(values, np.float64).reshape(count, 3)
+    unknown = (triples[:, 2] <= 0) | (triples[:, 2] < minimum_confidence)
+    return np.where(unknown[:, None], np.nan, triples[:, :2])
