@@ -27,14 +27,14 @@ The import corrects three properties of this data set that harm training:
 """
 
 from collections.abc import Iterator, Sequence
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
-from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
+from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.datasets.utd_mhad_files import (
     FRAME_RATE,
@@ -45,8 +45,15 @@ from lsc_pose_ros.datasets.utd_mhad_files import (
     read_depth,
     select_sequences,
 )
+from lsc_pose_ros.labels.checks.problems import (
+    OUTSIDE,
+    LabelLimits,
+    find_problems,
+    without_problems,
+)
+from lsc_pose_ros.labels.vocabulary import Vocabulary, load_vocabulary
 
-__all__ = ['LABEL_MARGIN', 'LAG', 'Selection', 'import_utd_mhad', 'near_mask', 'select_sequences']
+__all__ = ['LABEL_MARGIN', 'LAG', 'Selection', 'import_utd_mhad', 'select_sequences']
 
 LABEL_MARGIN = 3
 """Maximum distance between the projection of a labelled joint and the mask, pixels."""
@@ -58,13 +65,17 @@ BODY = 1
 # shows. The flip changes the principal column from 160 to 319 - 160.
 CAMERA = Intrinsics(285.63, 285.63, 159.0, 120.0)
 
-# The order of Skeleton_joint_order.txt, with our joint names.
-JOINT_ORDER: tuple[str, ...] = (
-    'head', 'neck', 'torso', 'pelvis',
-    'l_shoulder', 'l_elbow', 'l_wrist', 'l_hand', 'r_shoulder', 'r_elbow', 'r_wrist', 'r_hand',
-    'l_hip', 'l_knee', 'l_ankle', 'l_foot', 'r_hip', 'r_knee', 'r_ankle', 'r_foot',
+_LIMITS = LabelLimits(margin=LABEL_MARGIN)
+
+# Skeleton_joint_order.txt has the joints of the Kinect SDK in another order, with the names head,
+# shoulder center, spine, hip center, left shoulder, ...
+KINECT_ORDER: tuple[str, ...] = (
+    'HEAD', 'SHOULDER_CENTER', 'SPINE', 'HIP_CENTER',
+    'SHOULDER_LEFT', 'ELBOW_LEFT', 'WRIST_LEFT', 'HAND_LEFT',
+    'SHOULDER_RIGHT', 'ELBOW_RIGHT', 'WRIST_RIGHT', 'HAND_RIGHT',
+    'HIP_LEFT', 'KNEE_LEFT', 'ANKLE_LEFT', 'FOOT_LEFT',
+    'HIP_RIGHT', 'KNEE_RIGHT', 'ANKLE_RIGHT', 'FOOT_RIGHT',
 )  # fmt: skip
-_NUMBERS = [JOINT_NUMBERS[name] for name in JOINT_ORDER]
 
 
 def import_utd_mhad(
@@ -89,9 +100,7 @@ def import_utd_mhad(
             depth, positions = unmirror(
                 millimetres[:, :, index], sequence.skeletons[:, :, index - LAG]
             )
-            if label_filter:
-                positions[~near_mask(positions, depth > 0)] = np.nan
-            yield Frame(
+            frame = Frame(
                 stamp=sequence.start + int(index) * SECOND // FRAME_RATE,
                 frame_id=FRAME_ID,
                 depth=depth,
@@ -99,6 +108,7 @@ def import_utd_mhad(
                 camera=CAMERA,
                 ground_truth=_ground_truth(positions),
             )
+            yield _filtered(frame) if label_filter else frame
 
 
 def unmirror(
@@ -115,30 +125,25 @@ def unmirror(
         the order of JOINT_NAMES, metres, shape (20, 3).
     """
     depth = np.ascontiguousarray(millimetres[:, ::-1]).astype(np.float32) / np.float32(1000)
-    positions = np.empty((len(JOINT_NAMES), 3), np.float32)
-    positions[_NUMBERS] = skeleton * np.array([-1.0, -1.0, 1.0])
-    return depth, positions
+    vocabulary, order = _kinect_joints()
+    positions = vocabulary.ours(skeleton[order] * np.array([-1.0, -1.0, 1.0]))
+    return depth, positions.astype(np.float32)
 
 
-def near_mask(
-    positions: NDArray[np.float32], mask: NDArray[np.bool_], margin: int = LABEL_MARGIN
-) -> NDArray[np.bool_]:
-    """Return which joints, shape (J, 3), project onto `mask` or within `margin` pixels of it."""
-    height, width = mask.shape
-    pixels = project(positions, CAMERA)
-    seen: NDArray[np.bool_] = np.asarray(np.isfinite(pixels).all(axis=1))
-    # Clipping keeps the numbers within int32, however far outside a label is.
-    limits = (width + margin, height + margin)
-    centre = np.rint(np.clip(np.where(seen[:, None], pixels, 0), -margin - 1, limits))
-    steps = np.arange(-margin, margin + 1)
-    down, right = np.meshgrid(steps, steps, indexing='ij')
-    disc = down**2 + right**2 <= margin**2
-    columns = centre[:, :1].astype(np.int32) + right[disc]
-    rows = centre[:, 1:].astype(np.int32) + down[disc]
-    inside = (columns >= 0) & (columns < width) & (rows >= 0) & (rows < height)
-    hit = mask[np.where(inside, rows, 0), np.where(inside, columns, 0)] & inside
-    near: NDArray[np.bool_] = hit.any(axis=1) & seen
-    return near
+@cache
+def _kinect_joints() -> tuple[Vocabulary, list[int]]:
+    """Return the joints of the Kinect, and where each of them is in a skeleton as stored."""
+    vocabulary = load_vocabulary('kinect_v1')
+    return vocabulary, [KINECT_ORDER.index(name) for name in vocabulary.names]
+
+
+def _filtered(frame: Frame) -> Frame:
+    """Return `frame` without the labels that are outside of the mask."""
+    labels = frame.ground_truth
+    if labels is None:
+        return frame
+    problems = find_problems(frame, labels, _LIMITS)
+    return frame._replace(ground_truth=without_problems(labels, problems, [OUTSIDE]))
 
 
 def _ground_truth(positions: NDArray[np.float32]) -> Skeletons:

@@ -17,6 +17,7 @@
 
 import os
 from collections.abc import Mapping
+from functools import reduce
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -87,7 +88,7 @@ class Vocabulary(NamedTuple):
                 weight * positions[..., self.names.index(each), :].astype(np.float64)
                 for each, weight in source.weights.items()
             ]
-            ours[..., JOINT_NUMBERS[name], :] = np.sum(parts, axis=0)
+            ours[..., JOINT_NUMBERS[name], :] = reduce(np.add, parts)
         return ours
 
     def with_offsets(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:

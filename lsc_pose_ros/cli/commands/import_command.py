@@ -18,7 +18,7 @@
 import argparse
 from pathlib import Path
 
-from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.bags import RecordingWriter, open_recording
 from lsc_pose_ros.bags.storage.writer import RECORDING
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.datasets.utd_mhad import (
@@ -29,6 +29,7 @@ from lsc_pose_ros.datasets.utd_mhad import (
     select_sequences,
 )
 from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.labels.checks.problems import LabelLimits
 
 HELP = 'convert a public data set into a labelled recording'
 
@@ -97,6 +98,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action='store_false',
         help=f'keep labels more than {LABEL_MARGIN} pixels outside of the mask',
     )
+    _add_check_options(utd_mhad)
+
+
+def _add_check_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        '--check',
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help='check the imported labels, as `lsc_pose label` does (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--report', type=Path, metavar='DIR', help='write a page with the worst frames there'
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -122,4 +136,10 @@ def run(arguments: argparse.Namespace) -> int:
         for frame in progress(frames, count, 'importing'):
             writer.write_frame(frame)
     print(f'{arguments.output}: {count} frames of {len(sequences)} sequences')
+    if arguments.check or arguments.report:
+        # The check needs the method, which an import without it need not wait for.
+        from lsc_pose_ros.cli.output.label_check import check_labels, tell_report  # noqa: PLC0415
+
+        report = check_labels(open_recording(arguments.output), '', LabelLimits())
+        tell_report(arguments.output, report, arguments.report, None)
     return 0

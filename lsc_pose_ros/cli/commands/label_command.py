@@ -22,12 +22,31 @@ from pathlib import Path
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording
 from lsc_pose_ros.cli.input.label_sources import SOURCES, open_label_source
+from lsc_pose_ros.cli.input.labelled_frames import open_recordings
 from lsc_pose_ros.cli.options.numbers import float_from_zero, positive_float
-from lsc_pose_ros.cli.options.setting_options import settings_from
+from lsc_pose_ros.cli.options.setting_options import add_setting_options, settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.label_check import (
+    add_limit_options,
+    check_labels,
+    limits_from,
+    tell_report,
+)
 from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.labels.body_matching import numbered_as_mask
+from lsc_pose_ros.labels.checks.problems import (
+    KINDS,
+    LENGTH,
+    find_problems,
+    without_problems,
+)
+from lsc_pose_ros.labels.checks.study import LabelReport, usual_limb_lengths
 from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
+from lsc_pose_ros.labels.mirrored import MIRRORS, MirroredLabels
+from lsc_pose_ros.labels.tracks import LabelSource
 from lsc_pose_ros.settings.table import MASK, FrameSettings
 
 HELP = """Add labels (ground_truth/skeletons) to a recording, from what another program knows about
@@ -53,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help='the labelled recording: LABELLED.mcap, or a bag folder',
     )
     _add_source_options(parser)
+    _add_check_options(parser)
     add_topic_arguments(parser)
 
 
@@ -128,26 +148,116 @@ def _add_source_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def _add_check_options(parser: argparse.ArgumentParser) -> None:
+    group = parser.add_argument_group('check of the labels')
+    group.add_argument(
+        '--check',
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help='check the labels against depth, mask and the model; without --from, those that '
+        'RECORDING has (default: %(default)s)',
+    )
+    group.add_argument(
+        '--report', type=Path, metavar='DIR', help='write a page with the worst frames there'
+    )
+    group.add_argument('--json', type=Path, metavar='FILE', help='write what was found there')
+    group.add_argument(
+        '--correct-lag',
+        action='store_true',
+        help='if labels and depth are found to be apart in time, label again without the lag',
+    )
+    group.add_argument(
+        '--mirror', choices=MIRRORS, help='undo mirroring: exchange left and right, or negate x'
+    )
+    kinds = '; '.join(f'{name}: {text}' for name, text in KINDS.items())
+    group.add_argument(
+        '--drop',
+        nargs='+',
+        choices=KINDS,
+        default=[],
+        metavar='KIND',
+        help=f'leave out joints that are: {kinds}',
+    )
+    add_limit_options(group)
+    add_setting_options(group, 'model')
+
+
 def run(arguments: argparse.Namespace) -> int:
-    """Write the labelled recording and return the exit status.
+    """Write the labelled recording, check it, and return the exit status.
 
     Raises:
         InputError: the recording, the source or the output cannot be used.
     """
+    if arguments.source_kind is None:
+        return _check_only(arguments)
     _check(arguments)
+    counts = _label(arguments)
+    report = _report(arguments, arguments.output) if _is_checked(arguments) else None
+    lag = None if report is None else report.lag
+    if arguments.correct_lag and lag is not None and lag.found:
+        print(f'{arguments.output}: shifted by {lag.seconds:+.3f} s, the lag that was found')
+        arguments.time_offset += lag.seconds
+        counts = _label(arguments)
+        report = _report(arguments, arguments.output)
+    _print(arguments.output, counts)
+    if report is not None:
+        tell_report(arguments.output, report, arguments.report, arguments.json)
+    return 0
+
+
+def _report(arguments: argparse.Namespace, recording: Path) -> LabelReport:
+    reader = open_recordings(arguments, [recording])[0]
+    return check_labels(reader, arguments.model, limits_from(arguments))
+
+
+def _is_checked(arguments: argparse.Namespace) -> bool:
+    return arguments.check or arguments.correct_lag or arguments.report or arguments.json
+
+
+def _check_only(arguments: argparse.Namespace) -> int:
+    if arguments.output is not None or not _is_checked(arguments):
+        msg = f'name the source of the labels with --from: {", ".join(SOURCES)}'
+        raise InputError(msg)
+    report = _report(arguments, arguments.recording)
+    tell_report(arguments.recording, report, arguments.report, arguments.json)
+    return 0
+
+
+def _label(arguments: argparse.Namespace) -> LabelCounts:
+    """Write the labelled recording and return what it contains."""
     reader = open_unturned(arguments)
-    first = next(iter(reader))
-    source = open_label_source(arguments, first)
+    source = _source(arguments, reader)
+    limits, lengths = limits_from(arguments), {}
+    if LENGTH in arguments.drop:
+        labelled = (
+            frame._replace(ground_truth=_numbered(source.at(number, frame), frame, reader))
+            for number, frame in enumerate(reader)
+        )
+        lengths = usual_limb_lengths(progress(labelled, reader.count, 'measuring limbs'))
+        source = _source(arguments, reader)
+
+    def clean(frame: Frame, skeletons: Skeletons) -> Skeletons:
+        problems = find_problems(frame, skeletons, limits, lengths)
+        return without_problems(skeletons, problems, arguments.drop)
+
     counts = LabelCounts()
     with RecordingWriter(arguments.output) as writer:
-        frames = write_labelled_copy(reader, source, writer, counts)
+        frames = write_labelled_copy(reader, source, writer, counts, clean)
         for _ in progress(frames, reader.count, 'labelling'):
             pass
         _check_labels(counts, [*source.warnings, *reader.warnings])
     for warning in [*source.warnings, *reader.warnings]:
         print(f'lsc_pose: warning: {warning}', file=sys.stderr)
-    _print(arguments.output, counts)
-    return 0
+    return counts
+
+
+def _source(arguments: argparse.Namespace, reader: FrameReader) -> LabelSource:
+    source = open_label_source(arguments, next(iter(reader)))
+    return MirroredLabels(source, arguments.mirror) if arguments.mirror else source
+
+
+def _numbered(skeletons: Skeletons, frame: Frame, reader: FrameReader) -> Skeletons:
+    return numbered_as_mask(skeletons, frame) if reader.topics.mask else skeletons
 
 
 def open_unturned(arguments: argparse.Namespace) -> FrameReader:
@@ -158,8 +268,8 @@ def open_unturned(arguments: argparse.Namespace) -> FrameReader:
 
 
 def _check(arguments: argparse.Namespace) -> None:
-    if arguments.source_kind is None or arguments.output is None:
-        msg = f'name the source of the labels with --from ({", ".join(SOURCES)}), and -o LABELLED'
+    if arguments.output is None:
+        msg = 'name the labelled recording with -o LABELLED.mcap'
         raise InputError(msg)
     if arguments.output.exists() and arguments.output.samefile(arguments.recording):
         msg = f'{arguments.output} is the recording itself; choose another name'

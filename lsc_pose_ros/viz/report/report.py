@@ -15,25 +15,20 @@
 
 """The HTML page of `evaluate --report`, one file with its figures inside."""
 
-import base64
 from html import escape
 from pathlib import Path
 from typing import NamedTuple
-
-from matplotlib.figure import Figure
 
 from lsc_pose_ros.evaluation.confidence_reliability import Reliability, measure_reliability
 from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
 from lsc_pose_ros.files.kinds import HTML
 from lsc_pose_ros.files.output_file import write_output
-from lsc_pose_ros.viz.drawing.canvas import make_directory, png_bytes
+from lsc_pose_ros.viz.drawing.canvas import make_directory
 from lsc_pose_ros.viz.report import PAGE_NAME
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
+from lsc_pose_ros.viz.report.page_parts import STYLE, facts_list, image
 from lsc_pose_ros.viz.report.plots import error_curves, joint_bars, reliability_plot
-
-# The resolution of figures relative to their size on the page: for dense screens and paper.
-_SCALE = 2.0
 
 
 class Report(NamedTuple):
@@ -82,41 +77,23 @@ def page(report: Report) -> str:
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
-<style>{_STYLE}</style>
+<style>{STYLE}</style>
 </head>
 <body>
 <h1>{title}</h1>
 {_headline(report)}
-{_facts(report.facts)}
+{facts_list(report.facts)}
 <h2>Joint by joint</h2>
-{_image(joint_bars(report.summary, report.tolerance), 'Mean error and precision of each joint')}
+{image(joint_bars(report.summary, report.tolerance), 'Mean error and precision of each joint')}
 {_table(report)}
 <h2>All errors</h2>
 <p>The fraction of the joints whose error is at most the value on the axis.</p>
-{_image(error_curves(report.evaluation, report.tolerance), 'Cumulative error curves')}
+{image(error_curves(report.evaluation, report.tolerance), 'Cumulative error curves')}
 {_confidence(measure_reliability(report.evaluation))}
 {_frames('Best frames', report.best)}
 {_frames('Worst frames', report.worst)}
 </body>
 </html>
-"""
-
-
-_STYLE = """
-:root { color-scheme: light }
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff;
-  max-width: 68rem; margin: 2rem auto; padding: 0 1rem }
-h1 { font-size: 1.6rem } h2 { font-size: 1.2rem; margin-top: 2.5rem }
-img { max-width: 100%; height: auto; display: block }
-.headline { display: flex; gap: 3rem; flex-wrap: wrap }
-.headline b { display: block; font-size: 2rem; line-height: 1.2 }
-.headline span { color: #555 }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums }
-th, td { padding: .15rem 1.2rem .15rem 0; text-align: right; border-bottom: 1px solid #ddd }
-th:first-child, td:first-child { text-align: left }
-tfoot td { font-weight: bold }
-dl { display: grid; grid-template-columns: max-content auto; gap: .2rem 1.5rem }
-dt { color: #555 } dd { margin: 0; overflow-wrap: anywhere }
 """
 
 
@@ -132,13 +109,6 @@ def _headline(report: Report) -> str:
         f'<div><b>{number}</b><span>{meaning}</span></div>' for number, meaning in numbers.items()
     )
     return f'<div class="headline">{parts}</div>'
-
-
-def _facts(facts: dict[str, str]) -> str:
-    lines = ''.join(
-        f'<dt>{escape(name)}</dt><dd>{escape(value)}</dd>' for name, value in facts.items()
-    )
-    return f'<dl>{lines}</dl>' if lines else ''
 
 
 def _table(report: Report) -> str:
@@ -158,7 +128,7 @@ def _table(report: Report) -> str:
 
 
 def _confidence(reliability: Reliability) -> str:
-    plot = _image(reliability_plot(reliability), 'Fraction of joints that are near, by confidence')
+    plot = image(reliability_plot(reliability), 'Fraction of joints that are near, by confidence')
     return (
         f'<h2>Confidence</h2>\n<p>Of the joints with a confidence of 80 %, about 80 % should lie '
         f'within {100 * reliability.within_m:g} cm of the ground truth. On average over all '
@@ -170,10 +140,4 @@ def _confidence(reliability: Reliability) -> str:
 def _frames(heading: str, frames: list[DrawnFrame]) -> str:
     if not frames:
         return ''
-    return f'<h2>{heading}</h2>\n{_image(contact_sheet(frames), heading)}'
-
-
-def _image(figure: Figure, description: str) -> str:
-    data = base64.b64encode(png_bytes(figure, scale=_SCALE)).decode()
-    width = round(figure.get_figwidth() * figure.dpi)
-    return f'<img width="{width}" alt="{escape(description)}" src="data:image/png;base64,{data}">'
+    return f'<h2>{heading}</h2>\n{image(contact_sheet(frames), heading)}'
