@@ -48,6 +48,8 @@ EXTRAS = {
     ],
     # `lsc_pose import utd-mhad` reads MATLAB files.
     'mat': ['scipy>=1.11'],
+    # `lsc_pose export -o joints.parquet` writes Parquet files.
+    'parquet': ['pyarrow>=14'],
     # `lsc_pose label --from c3d` reads C3D files.
     'c3d': ['c3d>=0.5'],
     'test': [
@@ -55,6 +57,7 @@ EXTRAS = {
         'c3d>=0.5',
         'import-linter>=2.0',
         'mypy==2.4.1',
+        'pyarrow>=14',
         'pytest>=7.4,<10',
         'ruff==0.17.6',
         'scipy>=1.11',

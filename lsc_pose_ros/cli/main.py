@@ -94,6 +94,10 @@ COMMANDS: dict[str, Command] = {
         'lsc_pose_ros.cli.commands.view_command',
         'draw frames of a recording, or the stages of one frame',
     ),
+    'export': Command(
+        'lsc_pose_ros.cli.commands.export_command',
+        'write the joints of a recording as a table, arrays or an animation',
+    ),
     'bench': Command(
         'lsc_pose_ros.cli.commands.bench_command', 'time each stage of the estimation'
     ),

@@ -20,6 +20,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.data_types.joints import names_of
+
 # One point of `~/skeletons`: little endian, no padding.
 POINT_DTYPE = np.dtype(
     [
@@ -62,6 +64,38 @@ class Skeletons(NamedTuple):
     positions: NDArray[np.float32]
     confidence: NDArray[np.float32]
     visibility: NDArray[np.uint8] | None = None
+
+    def to_dict(self) -> dict[int, dict[str, dict[str, float | None]]]:
+        """Return the bodies as plain numbers, for JSON and notebooks.
+
+        Returns:
+            By body number and joint name: x, y, z in metres and confidence; None if unknown.
+        """
+        return {
+            int(body): {
+                name: {
+                    **{
+                        axis: float(value) if np.isfinite(value) else None
+                        for axis, value in zip('xyz', position, strict=True)
+                    },
+                    'confidence': float(confidence),
+                }
+                for name, position, confidence in zip(
+                    names_of(self.joints), positions, confidences, strict=True
+                )
+            }
+            for body, positions, confidences in zip(
+                self.bodies, self.positions, self.confidence, strict=True
+            )
+        }
+
+    def to_array(self) -> NDArray[np.void]:
+        """Return a structured array, shape (B, J): x, y, z, confidence, body and joint number.
+
+        It also has the visibility, if that is known. `pandas.DataFrame(array.ravel())` makes a
+        table of it.
+        """
+        return pack(self)
 
 
 def no_skeletons(joints: NDArray[np.uint16]) -> Skeletons:

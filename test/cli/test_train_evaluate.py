@@ -317,6 +317,28 @@ def test_evaluate_writes_a_report(model, recordings, tmp_path, capsys):
     assert not re.search(r'(src|href)="?(http|//|file)', page)
 
 
+def test_several_models_are_shown_side_by_side(model, recordings, tmp_path, capsys):
+    folder = tmp_path / 'other'
+    folder.mkdir()
+    other = folder / Path(model).name
+    other.write_bytes(Path(model).read_bytes())
+    figures, page = tmp_path / 'both.json', tmp_path / 'page'
+    words = [model, str(other), recordings[1], '--json', str(figures), '--report', str(page)]
+    assert main(['evaluate', *words]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert f'other/{Path(model).stem}' in lines[0]
+    mean = next(line for line in lines if line.startswith('mean')).split()
+    assert mean[1:4] == mean[4:7]
+    results = json.loads(figures.read_text())['models']
+    assert len(results) == 2
+    first, second = results.values()
+    assert first['joints'] == second['joints']
+    assert first['model'] == str(model)
+    text = (page / 'index.html').read_text()
+    assert text.count('<img') == 2
+    assert f'other/{Path(model).stem}' in text
+
+
 def test_missing_recording(model, tmp_path, capsys):
     missing = tmp_path / 'gone.mcap'
     assert 'gone.mcap' in complaint(capsys, ['evaluate', model, missing])

@@ -110,10 +110,11 @@ def test_distance_behind_the_surface():
     depth[random.random(depth.shape) < 0.2] = 0
     body = random.random(depth.shape) < 0.7
     positions = random.uniform([-2, -1.5, 1], [2, 1.5, 3], (200, 3)).astype(np.float32)
-    positions[:6] = [
+    strange = [
         [np.nan, 0, 2], [0, 0, 0], [0, 0, -1], [1e30, 0, 1], [0, np.inf, 1],
-        [np.finfo(np.float32).max] * 3,
+        [3e38, 3e38, 3e38],
     ]  # fmt: skip
+    positions[:6] = np.array(strange, np.float32)
     frame = Frame(0, 'camera', depth, np.where(body, 1, NO_BODY), CAMERA, None)
     with np.errstate(over='ignore'):
         found = behind_surface(positions, body, frame)

@@ -41,6 +41,7 @@ DEPENDENCIES: dict[str, tuple[str | None, str]] = {
     'numba': ('numba', 'python3-numba'),
     'numpy': ('numpy', 'python3-numpy'),
     'lifecycle_msgs': (None, 'lifecycle_msgs'),
+    'pyarrow': ('pyarrow', ''),
     'rcl_interfaces': (None, 'rcl_interfaces'),
     'rclpy': ('ros-jazzy-rclpy', 'rclpy'),
     'rosbags': ('rosbags', 'python3-rosbags-pip'),

@@ -16,7 +16,9 @@
 """`lsc_pose evaluate`: how good a model is on labelled recordings."""
 
 import argparse
+from itertools import takewhile
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import open_recordings, read_frames
@@ -24,6 +26,7 @@ from lsc_pose_ros.cli.options.estimation_options import estimator_from
 from lsc_pose_ros.cli.options.numbers import positive_float
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments
+from lsc_pose_ros.cli.output.evaluation_comparison import comparison_table, different_names
 from lsc_pose_ros.cli.output.evaluation_results import (
     EvaluationInputs,
     EvaluationOutput,
@@ -40,11 +43,12 @@ from lsc_pose_ros.evaluation.offsets import fit_offsets
 from lsc_pose_ros.files.kinds import HTML, JSON
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.pose.estimator import Estimator
-from lsc_pose_ros.resources.package_files import find_model
+from lsc_pose_ros.resources.package_files import find_model, shipped_models
 from lsc_pose_ros.viz.report import PAGE_NAME
 
 HELP = """Measure a model on labelled recordings: the model that the first word or --model names,
-or else the one that comes with the package."""
+or else the one that comes with the package. Several models before the recordings are measured
+one after the other, and shown side by side."""
 
 PAPER_TOLERANCE = 0.1
 
@@ -112,27 +116,26 @@ def _add_what_is_measured(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Evaluate the model that `arguments` name and print the scores; return the exit status.
+    """Evaluate the models that `arguments` name and print the scores; return the exit status.
 
     Raises:
-        InputError: the model or a recording cannot be used, or nothing is labelled.
+        InputError: a model or a recording cannot be used, or nothing is labelled.
     """
-    path, recordings = _model_and_recordings(arguments)
-    _check_outputs(arguments, [path, *recordings, *(arguments.offsets_from or [])])
-    estimator = estimator_from(arguments, path)
+    models, recordings = _models_and_recordings(arguments)
+    _check_outputs(arguments, [*models, *recordings, *(arguments.offsets_from or [])])
     readers = open_recordings(arguments, recordings)
     others = open_recordings(arguments, arguments.offsets_from or [])
-    output = _measure(arguments, estimator, readers, others)
-    inputs = EvaluationInputs(path, recordings, arguments.offsets_from or [], arguments.tolerance)
-    results = evaluation_results(inputs, estimator, output)
+    if len(models) > 1:
+        return _compare(arguments, models, readers, others)
+    measured = _evaluate(arguments, models[0], readers, others)
     if arguments.video:
-        video = estimate_video(estimator, readers)
-        results['video'] = video_results(video, arguments.tolerance)
-    print(evaluation_table(results))
+        video = estimate_video(measured.estimator, readers)
+        measured.results['video'] = video_results(video, arguments.tolerance)
+    print(evaluation_table(measured.results))
     if arguments.video:
-        print(video_table(results['video'], arguments.tolerance))
+        print(video_table(measured.results['video'], arguments.tolerance))
     if arguments.json:
-        write_json(arguments.json, results)
+        write_json(arguments.json, measured.results)
     if arguments.report:
         # Matplotlib takes half a second to import, which a plain evaluation need not wait for.
         from lsc_pose_ros.cli.output.evaluation_report import (  # noqa: PLC0415
@@ -140,12 +143,13 @@ def run(arguments: argparse.Namespace) -> int:
             report_evaluation,
         )
 
+        output = measured.output
         page = report_evaluation(
             arguments.report,
-            estimator,
+            measured.estimator,
             readers,
             (output.evaluation, output.summary, arguments.tolerance),
-            evaluation_facts(results),
+            evaluation_facts(measured.results),
         )
         print(page)
         if arguments.video:
@@ -160,22 +164,83 @@ def _check_outputs(arguments: argparse.Namespace, inputs: list[Path]) -> None:
     check_outputs(outputs, inputs)
 
 
-def _model_and_recordings(arguments: argparse.Namespace) -> tuple[Path, list[Path]]:
-    """Return the model's path and the recordings that the words stand for."""
-    first = Path(arguments.first)
-    is_recording = first.is_dir() or first.suffix in _RECORDING_SUFFIXES
-    if is_recording:
-        return find_model(arguments.model), [first, *arguments.recordings]
+class _Measured(NamedTuple):
+    """A model, its evaluation, and the results by name."""
+
+    estimator: Estimator
+    output: EvaluationOutput
+    results: dict[str, Any]
+
+
+def _evaluate(
+    arguments: argparse.Namespace,
+    model: Path,
+    readers: list[FrameReader],
+    others: list[FrameReader],
+) -> _Measured:
+    estimator = estimator_from(arguments, model)
+    output = _measure(arguments, estimator, readers, others)
+    recordings = [reader.path for reader in readers]
+    offsets_from = arguments.offsets_from or []
+    inputs = EvaluationInputs(model, recordings, offsets_from, arguments.tolerance)
+    return _Measured(estimator, output, evaluation_results(inputs, estimator, output))
+
+
+def _compare(
+    arguments: argparse.Namespace,
+    models: list[Path],
+    readers: list[FrameReader],
+    others: list[FrameReader],
+) -> int:
+    """Evaluate several models on the same recordings, and print them side by side."""
+    if arguments.video:
+        msg = '--video measures one model; name only one'
+        raise InputError(msg)
+    names = different_names(models)
+    measured = [_evaluate(arguments, model, readers, others) for model in models]
+    results = [each.results for each in measured]
+    print(comparison_table(names, results))
+    if arguments.json:
+        write_json(arguments.json, {'models': dict(zip(names, results, strict=True))})
+    if arguments.report:
+        from lsc_pose_ros.viz.report.comparison_page import (  # noqa: PLC0415
+            ComparedModel,
+            write_comparison,
+        )
+
+        compared = [
+            ComparedModel(name, each.output.summary, each.output.evaluation)
+            for name, each in zip(names, measured, strict=True)
+        ]
+        facts = {'recordings': ', '.join(reader.path.name for reader in readers)}
+        print(write_comparison(arguments.report, compared, arguments.tolerance, facts))
+    return 0
+
+
+def _models_and_recordings(arguments: argparse.Namespace) -> tuple[list[Path], list[Path]]:
+    """Return the paths of the models and the recordings that the words stand for."""
+    words = [Path(arguments.first), *arguments.recordings]
+    if _is_recording(words[0]):
+        return [find_model(arguments.model)], words
     if arguments.model:
         msg = (
-            f'{first} and --model {arguments.model}: two models are named; leave one out '
+            f'{words[0]} and --model {arguments.model}: two models are named; leave one out '
             '(the names of recordings end in .mcap or .db3, or are those of folders)'
         )
         raise InputError(msg)
-    if not arguments.recordings:
-        msg = f'{first}: no recording is named; give `lsc_pose evaluate` one after the model'
+    models = [words[0], *takewhile(_is_model, words[1:])]
+    if len(models) == len(words):
+        msg = f'{words[-1]}: no recording is named; give `lsc_pose evaluate` one after the model'
         raise InputError(msg)
-    return find_model(arguments.first), arguments.recordings
+    return [find_model(model) for model in models], words[len(models) :]
+
+
+def _is_recording(word: Path) -> bool:
+    return word.is_dir() or word.suffix in _RECORDING_SUFFIXES
+
+
+def _is_model(word: Path) -> bool:
+    return not _is_recording(word) and (word.suffix == '.npz' or str(word) in shipped_models())
 
 
 def _measure(

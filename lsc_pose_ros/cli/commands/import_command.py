@@ -29,6 +29,7 @@ from lsc_pose_ros.datasets.utd_mhad import (
     select_sequences,
 )
 from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_file import is_written_through
 from lsc_pose_ros.labels.checks.problems import LabelLimits
 
 HELP = 'convert a public data set into a labelled recording'
@@ -136,7 +137,7 @@ def run(arguments: argparse.Namespace) -> int:
         for frame in progress(frames, count, 'importing'):
             writer.write_frame(frame)
     print(f'{arguments.output}: {count} frames of {len(sequences)} sequences')
-    if arguments.check or arguments.report:
+    if (arguments.check or arguments.report) and not is_written_through(arguments.output):
         # The check needs the method, which an import without it need not wait for.
         from lsc_pose_ros.cli.output.label_check import check_labels, tell_report  # noqa: PLC0415
 

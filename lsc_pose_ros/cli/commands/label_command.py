@@ -21,6 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording
+from lsc_pose_ros.bags.storage.writer import RECORDING
 from lsc_pose_ros.cli.input.label_sources import SOURCES, open_label_source
 from lsc_pose_ros.cli.input.labelled_frames import open_recordings
 from lsc_pose_ros.cli.options.numbers import float_from_zero, positive_float
@@ -36,6 +37,8 @@ from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.kinds import HTML, JSON
+from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.labels.body_matching import numbered_as_mask
 from lsc_pose_ros.labels.checks.problems import (
     KINDS,
@@ -48,6 +51,7 @@ from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
 from lsc_pose_ros.labels.mirrored import MIRRORS, MirroredLabels
 from lsc_pose_ros.labels.tracks import LabelSource
 from lsc_pose_ros.settings.table import MASK, FrameSettings
+from lsc_pose_ros.viz.report import PAGE_NAME
 
 HELP = """Add labels (ground_truth/skeletons) to a recording, from what another program knows about
 the joints. docs/labels.md is a tutorial."""
@@ -211,13 +215,15 @@ def _report(arguments: argparse.Namespace, recording: Path) -> LabelReport:
 
 
 def _is_checked(arguments: argparse.Namespace) -> bool:
-    return arguments.check or arguments.correct_lag or arguments.report or arguments.json
+    wanted = (arguments.check, arguments.correct_lag, arguments.report, arguments.json)
+    return any(wanted)
 
 
 def _check_only(arguments: argparse.Namespace) -> int:
     if arguments.output is not None or not _is_checked(arguments):
         msg = f'name the source of the labels with --from: {", ".join(SOURCES)}'
         raise InputError(msg)
+    check_outputs(_reports(arguments), [arguments.recording])
     report = _report(arguments, arguments.recording)
     tell_report(arguments.recording, report, arguments.report, arguments.json)
     return 0
@@ -271,9 +277,19 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.output is None:
         msg = 'name the labelled recording with -o LABELLED.mcap'
         raise InputError(msg)
-    if arguments.output.exists() and arguments.output.samefile(arguments.recording):
-        msg = f'{arguments.output} is the recording itself; choose another name'
+    inputs = [arguments.recording, *(arguments.source or [])]
+    inputs += filter(None, [arguments.frames, arguments.extrinsic])
+    check_outputs([Output(arguments.output, RECORDING), *_reports(arguments)], inputs)
+    if arguments.output.name == '-':
+        msg = 'the labelled recording is read again for its check; give -o a file'
         raise InputError(msg)
+
+
+def _reports(arguments: argparse.Namespace) -> list[Output]:
+    outputs = [Output(arguments.json, JSON)] if arguments.json else []
+    if arguments.report and arguments.report.exists():
+        outputs.append(Output(arguments.report / PAGE_NAME, HTML))
+    return outputs
 
 
 def _check_labels(counts: LabelCounts, warnings: list[str]) -> None:

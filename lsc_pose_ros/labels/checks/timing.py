@@ -84,11 +84,11 @@ def find_lag(sequences: Sequence[LabelledSequence]) -> Lag | None:
     if not parts:
         return None
     differences = np.concatenate(parts, axis=1)  # (S, n, J, 3)
-    known = np.isfinite(differences).all(axis=(0, 3))
+    known = np.asarray(np.isfinite(differences).all(axis=(0, 3)))
     if known.sum() < _FEWEST:
         return None
     differences = np.where(known[None, :, :, None], differences, np.nan)
-    used = known.any(axis=0)
+    used = np.asarray(known.any(axis=0))
     differences = differences[:, :, used]
     differences -= np.nanmedian(differences, axis=1, keepdims=True)
     errors = np.minimum(np.linalg.norm(differences, axis=-1), _LARGEST)
