@@ -48,6 +48,8 @@ EXTRAS = {
     ],
     # `lsc_pose import utd-mhad` reads MATLAB files.
     'mat': ['scipy>=1.11'],
+    # `lsc_pose import itop` reads HDF5 files.
+    'itop': ['h5py>=3.8'],
     # `lsc_pose export -o joints.parquet` writes Parquet files.
     'parquet': ['pyarrow>=14'],
     # `lsc_pose label --from c3d` reads C3D files.
@@ -55,6 +57,7 @@ EXTRAS = {
     'test': [
         'hypothesis>=6.100',
         'c3d>=0.5',
+        'h5py>=3.8',
         'import-linter>=2.0',
         'mypy==2.4.1',
         'pyarrow>=14',

@@ -70,7 +70,7 @@ class CommandModule(Protocol):
 COMMANDS: dict[str, Command] = {
     'import': Command(
         'lsc_pose_ros.cli.commands.import_command',
-        'convert a public data set into a labelled recording',
+        'convert a public data set, images or a ROS 1 bag into a recording',
     ),
     'label': Command(
         'lsc_pose_ros.cli.commands.label_command',

@@ -34,6 +34,7 @@ DEPENDENCIES: dict[str, tuple[str | None, str]] = {
     'builtin_interfaces': (None, 'builtin_interfaces'),
     'c3d': ('c3d', ''),
     'diagnostic_msgs': ('ros-jazzy-diagnostic-msgs', 'diagnostic_msgs'),
+    'h5py': ('h5py', ''),
     'launch': (None, 'launch'),
     'launch_ros': (None, 'launch_ros'),
     'matplotlib': ('matplotlib', 'python3-matplotlib'),

@@ -20,6 +20,7 @@ from pathlib import Path
 
 from lsc_pose_ros.bags import RecordingWriter, open_recording
 from lsc_pose_ros.bags.storage.writer import RECORDING
+from lsc_pose_ros.cli.input.importers import IMPORTERS
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.datasets.utd_mhad import (
     LABEL_MARGIN,
@@ -32,7 +33,7 @@ from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.files.output_file import is_written_through
 from lsc_pose_ros.labels.checks.problems import LabelLimits
 
-HELP = 'convert a public data set into a labelled recording'
+HELP = 'convert a public data set, images or a ROS 1 bag into a recording'
 
 _UTD_MHAD = f"""\
 Convert UTD-MHAD (Chen, Jafari, Kehtarnavaz, ICIP 2015: 27 actions in front of a Kinect v1) into
@@ -100,6 +101,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f'keep labels more than {LABEL_MARGIN} pixels outside of the mask',
     )
     _add_check_options(utd_mhad)
+    for name, importer in IMPORTERS.items():
+        other = datasets.add_parser(name, help=importer.help, description=importer.description)
+        importer.add_arguments(other)
+        if importer.labelled:
+            _add_check_options(other)
 
 
 def _add_check_options(parser: argparse.ArgumentParser) -> None:
@@ -122,6 +128,24 @@ def run(arguments: argparse.Namespace) -> int:
     """
     writer = RecordingWriter(arguments.output)
     check_outputs([Output(arguments.output, RECORDING)], [arguments.directory])
+    if arguments.dataset in IMPORTERS:
+        importer = IMPORTERS[arguments.dataset]
+        print(f'{arguments.output}: {importer.write(arguments, writer)}')
+        labelled = importer.labelled
+    else:
+        print(f'{arguments.output}: {_import_utd_mhad(arguments, writer)}')
+        labelled = True
+    if labelled and arguments.check and not is_written_through(arguments.output):
+        # The check needs the method, which an import without it need not wait for.
+        from lsc_pose_ros.cli.output.label_check import check_labels, tell_report  # noqa: PLC0415
+
+        report = check_labels(open_recording(arguments.output), '', LabelLimits())
+        tell_report(arguments.output, report, arguments.report, None)
+    return 0
+
+
+def _import_utd_mhad(arguments: argparse.Namespace, writer: RecordingWriter) -> str:
+    """Write the recording and return what it contains, in words."""
     selection = Selection(
         subjects=arguments.subjects,
         actions=arguments.actions,
@@ -136,11 +160,4 @@ def run(arguments: argparse.Namespace) -> int:
     with writer:
         for frame in progress(frames, count, 'importing'):
             writer.write_frame(frame)
-    print(f'{arguments.output}: {count} frames of {len(sequences)} sequences')
-    if (arguments.check or arguments.report) and not is_written_through(arguments.output):
-        # The check needs the method, which an import without it need not wait for.
-        from lsc_pose_ros.cli.output.label_check import check_labels, tell_report  # noqa: PLC0415
-
-        report = check_labels(open_recording(arguments.output), '', LabelLimits())
-        tell_report(arguments.output, report, arguments.report, None)
-    return 0
+    return f'{count} frames of {len(sequences)} sequences'

@@ -46,7 +46,7 @@ from lsc_pose_ros.labels.checks.problems import (
     find_problems,
     without_problems,
 )
-from lsc_pose_ros.labels.checks.study import LabelReport, usual_limb_lengths
+from lsc_pose_ros.labels.checks.study import LabelReport, UsualLengths
 from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
 from lsc_pose_ros.labels.mirrored import MIRRORS, MirroredLabels
 from lsc_pose_ros.labels.tracks import LabelSource
@@ -233,17 +233,17 @@ def _label(arguments: argparse.Namespace) -> LabelCounts:
     """Write the labelled recording and return what it contains."""
     reader = open_unturned(arguments)
     source = _source(arguments, reader)
-    limits, lengths = limits_from(arguments), {}
+    limits, lengths = limits_from(arguments), UsualLengths([])
     if LENGTH in arguments.drop:
         labelled = (
             frame._replace(ground_truth=_numbered(source.at(number, frame), frame, reader))
             for number, frame in enumerate(reader)
         )
-        lengths = usual_limb_lengths(progress(labelled, reader.count, 'measuring limbs'))
+        lengths = UsualLengths(progress(labelled, reader.count, 'measuring limbs'))
         source = _source(arguments, reader)
 
     def clean(frame: Frame, skeletons: Skeletons) -> Skeletons:
-        problems = find_problems(frame, skeletons, limits, lengths)
+        problems = find_problems(frame, skeletons, limits, lengths.at(frame.stamp))
         return without_problems(skeletons, problems, arguments.drop)
 
     counts = LabelCounts()

@@ -24,7 +24,7 @@ from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.checks.problems import KINDS, LabelLimits
-from lsc_pose_ros.labels.checks.study import LabelReport, LabelStudy, usual_limb_lengths
+from lsc_pose_ros.labels.checks.study import LabelReport, LabelStudy, UsualLengths
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
@@ -53,7 +53,7 @@ def check_labels(reader: FrameReader, model: str, limits: LabelLimits) -> LabelR
         InputError: the recording or the model cannot be used, or nothing is labelled.
     """
     estimator = Estimator(load_model(find_model(model)))
-    usual = usual_limb_lengths(progress(reader, reader.count, 'measuring limbs'))
+    usual = UsualLengths(progress(reader, reader.count, 'measuring limbs'))
     study = LabelStudy(estimator, limits, usual, _SHOWN)
     count = reader.count or 0
     for number, frame in enumerate(progress(reader, reader.count, 'checking')):

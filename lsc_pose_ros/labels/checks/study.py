@@ -17,7 +17,7 @@
 
 import heapq
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import NamedTuple
@@ -48,6 +48,9 @@ from lsc_pose_ros.training.samples import select_joints
 
 # A longer pause, in typical steps between stamps, starts a new sequence.
 _PAUSE = 2.5
+
+# Limbs are compared with those of so long before and after, nanoseconds.
+_AROUND = 1_000_000_000
 
 # In the ranking of the worst frames, an exchange of left and right counts as so many joints.
 _EXCHANGE_WEIGHT = 6
@@ -104,7 +107,7 @@ class LabelStudy:
         self,
         estimator: JointEstimator,
         limits: LabelLimits,
-        usual_lengths: Mapping[int, NDArray[np.float64]],
+        usual_lengths: 'UsualLengths',
         shown: int,
     ) -> None:
         """Start with no frames.
@@ -112,7 +115,7 @@ class LabelStudy:
         Args:
             estimator: estimates the frames that are compared.
             limits: how far off a label may be.
-            usual_lengths: of the limbs of each body, from `usual_limb_lengths`.
+            usual_lengths: of the limbs of each body in these frames.
             shown: how many of the worst frames are kept.
         """
         self._estimator = estimator
@@ -163,7 +166,7 @@ class LabelStudy:
         return report
 
     def _problems(self, frame: Frame, labels: Skeletons) -> dict[str, NDArray[np.bool_]]:
-        problems = find_problems(frame, labels, self._limits, self._usual)
+        problems = find_problems(frame, labels, self._limits, self._usual.at(frame.stamp))
         self._lengths.extend(limb_lengths(labels.positions))
         for kind, joints in problems.items():
             self._report.problems[kind] += int(joints.sum())
@@ -227,25 +230,41 @@ class LabelStudy:
         return spread
 
 
-def usual_limb_lengths(frames: Iterable[Frame]) -> dict[int, NDArray[np.float64]]:
-    """Return the median length of each limb of each body, metres, shape (L,) by body number."""
-    lengths: dict[int, list[NDArray[np.float64]]] = defaultdict(list)
-    for frame in frames:
-        if frame.ground_truth is None:
-            continue
-        labels = with_all_joints(frame.ground_truth)
-        for body, positions in zip(labels.bodies.tolist(), labels.positions, strict=True):
-            lengths[body].append(limb_lengths(positions))
-    return {body: _medians(np.array(each)) for body, each in lengths.items()}
+class UsualLengths:
+    """The lengths of the limbs of each body around a moment.
+
+    They are medians over the labels of the same number within a second before and after, because
+    a number can be that of different people in one recording.
+    """
+
+    def __init__(self, frames: Iterable[Frame]) -> None:
+        """Measure the labels of `frames`, which are in the order of time."""
+        stamps: dict[int, list[int]] = defaultdict(list)
+        lengths: dict[int, list[NDArray[np.float64]]] = defaultdict(list)
+        for frame in frames:
+            if frame.ground_truth is None:
+                continue
+            labels = with_all_joints(frame.ground_truth)
+            for body, positions in zip(labels.bodies.tolist(), labels.positions, strict=True):
+                stamps[body].append(frame.stamp)
+                lengths[body].append(limb_lengths(positions))
+        self._stamps = {body: np.array(each, np.int64) for body, each in stamps.items()}
+        self._lengths = {body: np.array(each) for body, each in lengths.items()}
+
+    def at(self, stamp: int) -> dict[int, NDArray[np.float64]]:
+        """Return the usual lengths of LIMBS, metres, shape (L,) by body number."""
+        usual: dict[int, NDArray[np.float64]] = {}
+        for body, stamps in self._stamps.items():
+            first, last = np.searchsorted(stamps, [stamp - _AROUND, stamp + _AROUND + 1])
+            if last > first:
+                usual[body] = _medians(self._lengths[body][first:last])
+        return usual
 
 
 def _medians(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    medians = np.full(lengths.shape[1], np.nan)
-    for column, values in enumerate(lengths.T):
-        known = values[np.isfinite(values)]
-        if known.size:
-            medians[column] = np.median(known)
-    return medians
+    """Return the medians of the columns without NaN, NaN for a column of nothing else."""
+    columns = [values[np.isfinite(values)] for values in lengths.T]
+    return np.array([np.median(values) if values.size else np.nan for values in columns])
 
 
 def with_all_joints(skeletons: Skeletons) -> Skeletons:
