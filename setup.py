@@ -48,6 +48,8 @@ EXTRAS = {
     ],
     # `lsc_pose import utd-mhad` reads MATLAB files.
     'mat': ['scipy>=1.11'],
+    # Completion of `lsc_pose` in the shell.
+    'completion': ['argcomplete>=2'],
     # `lsc_pose import itop` reads HDF5 files.
     'itop': ['h5py>=3.8'],
     # `lsc_pose export -o joints.parquet` writes Parquet files.
@@ -55,9 +57,10 @@ EXTRAS = {
     # `lsc_pose label --from c3d` reads C3D files.
     'c3d': ['c3d>=0.5'],
     'test': [
-        'hypothesis>=6.100',
+        'argcomplete>=2',
         'c3d>=0.5',
         'h5py>=3.8',
+        'hypothesis>=6.100',
         'import-linter>=2.0',
         'mypy==2.4.1',
         'pyarrow>=14',

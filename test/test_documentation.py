@@ -90,7 +90,7 @@ def links_of(document: Path) -> list[str]:
 
 def options_of_the_commands() -> set[str]:
     """Return the options of all commands of `lsc_pose`."""
-    options = {'--help', '--version'}
+    options = {'--help', '--version', '--quiet', '--verbose'}
     for command in COMMANDS.values():
         parser = argparse.ArgumentParser()
         load(command).add_arguments(parser)

@@ -27,6 +27,8 @@ from typing import NamedTuple, Protocol, cast
 
 from lsc_pose_ros import __version__
 from lsc_pose_ros.cli.options.camera_preset import use_camera_preset
+from lsc_pose_ros.cli.options.completion import complete, typed_words
+from lsc_pose_ros.cli.options.settings_file import use_settings_file
 from lsc_pose_ros.cli.program import INTERRUPTED, let_interrupt
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.output_file import STANDARD_OUTPUT
@@ -130,7 +132,8 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 def _run(words: list[str]) -> int:
-    name = next((word for word in words if not word.startswith('-')), None)
+    words_or_typed = typed_words() or words
+    name = next((word for word in words_or_typed if not word.startswith('-')), None)
     parser = argparse.ArgumentParser(prog=PROGRAM, description=_DESCRIPTION, epilog=_EPILOG)
     parser.add_argument('--version', action='version', version=f'{PROGRAM} {__version__}')
     subparsers = parser.add_subparsers(dest='command', required=True, metavar='COMMAND')
@@ -142,14 +145,32 @@ def _run(words: list[str]) -> int:
             module = load(command)
             subparser.description = module.HELP
             module.add_arguments(subparser)
-            use_camera_preset(subparser, words)
+            _add_common_options(subparser, words)
+    complete(parser)
     arguments = parser.parse_args(words)
     if module is None:  # parse_args has refused all other words already
         parser.error('name a command')
+    _set_verbosity(arguments)
     let_interrupt()
     # What a command prints must not be mixed with an output that goes to standard output.
     with redirect_stdout(sys.stderr) if STANDARD_OUTPUT in words else nullcontext():
         return module.run(arguments)
+
+
+def _add_common_options(parser: argparse.ArgumentParser, words: Sequence[str]) -> None:
+    """Add the options that all commands have, and make files of settings the defaults."""
+    # tqdm is imported with it, which `--help` need not wait for.
+    from lsc_pose_ros.cli.output.progress import add_verbosity_options  # noqa: PLC0415
+
+    add_verbosity_options(parser)
+    use_camera_preset(parser, words)
+    use_settings_file(parser, words)
+
+
+def _set_verbosity(arguments: argparse.Namespace) -> None:
+    from lsc_pose_ros.cli.output.progress import REPORTER  # noqa: PLC0415
+
+    REPORTER.set(arguments)
 
 
 def _help_line(command: Command) -> str:

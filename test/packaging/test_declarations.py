@@ -31,6 +31,7 @@ ROOT = Path(__file__).parents[2]
 DEPENDENCIES: dict[str, tuple[str | None, str]] = {
     'PIL': ('pillow', 'python3-pil'),
     'ament_index_python': (None, 'ament_index_python'),
+    'argcomplete': ('argcomplete', ''),
     'builtin_interfaces': (None, 'builtin_interfaces'),
     'c3d': ('c3d', ''),
     'diagnostic_msgs': ('ros-jazzy-diagnostic-msgs', 'diagnostic_msgs'),

@@ -17,7 +17,6 @@
 
 import argparse
 import itertools
-import sys
 import time
 from pathlib import Path
 
@@ -28,6 +27,7 @@ from lsc_pose_ros.cli.input.labelled_frames import (
     open_recordings,
     read_frames,
 )
+from lsc_pose_ros.cli.options.settings_file import add_settings_file_option
 from lsc_pose_ros.cli.options.training_options import (
     DEPTH_OPTIONS,
     FOREST_OPTIONS,
@@ -35,9 +35,11 @@ from lsc_pose_ros.cli.options.training_options import (
     LEAF_OPTIONS,
     add_memory_option,
     add_training_options,
+    changed_settings,
     training_settings,
 )
 from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.cli.output.progress import REPORTER
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import JSON
@@ -82,6 +84,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='JOINT',
         help="the joints to learn (default: the paper's 17: all except pelvis and feet)",
     )
+    add_settings_file_option(parser)
     add_memory_option(parser)
     calibration = parser.add_mutually_exclusive_group()
     add_training_options(calibration, [HOLD_OUT_OPTION])
@@ -111,7 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
     others = _open_calibration_recordings(arguments, training)
     begin = time.perf_counter()
     frames = read_frames(readers, 'reading')
-    model = train(frames, training, _provenance(arguments, training), _show_step)
+    model = train(frames, training, _provenance(arguments, training), REPORTER.step)
     if others:
         frames = read_frames(others, 'calibrating')
         model = calibrate(model, labelled_people(frames, training.joints, training.settings))
@@ -133,6 +136,7 @@ def _provenance(arguments: argparse.Namespace, training: TrainingSettings) -> di
         'program': f'lsc_pose_ros {__version__}',
         'seed': str(training.seed),
         'mirrored': 'yes' if training.mirror else 'no',
+        'training settings': changed_settings(arguments) or 'those of the program',
     }
 
 
@@ -176,8 +180,3 @@ def _check_outputs(arguments: argparse.Namespace) -> None:
     if arguments.json:
         outputs.append(Output(arguments.json, JSON))
     check_outputs(outputs, [*arguments.recordings, *(arguments.calibrate or [])])
-
-
-def _show_step(step: str) -> None:
-    if sys.stderr.isatty():
-        print(f'lsc_pose: {step}', file=sys.stderr)

@@ -283,6 +283,21 @@ def training_settings(arguments: argparse.Namespace) -> TrainingSettings:
     return training._replace(hold_out=0.0) if arguments.calibrate else training
 
 
+def changed_settings(arguments: argparse.Namespace) -> str:
+    """Return the options whose values are not the defaults of the program, as words."""
+    changed = [
+        f'--{option.name} {value}'
+        for option in _OPTIONS
+        if (value := getattr(arguments, option.name.replace('-', '_'))) != option.default
+    ]
+    changed += [f'--{name}' for name in ('mirror', 'body-yaw') if vars(arguments)[_field(name)]]
+    return ' '.join(changed)
+
+
+def _field(option: str) -> str:
+    return option.replace('-', '_')
+
+
 def _with_field(
     training: TrainingSettings, option: TrainingOption, value: object
 ) -> TrainingSettings:
