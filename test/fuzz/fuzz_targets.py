@@ -23,6 +23,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from lsc_pose_ros.body_parts.context import PartForests
+from lsc_pose_ros.model_io.part_forest_file import load_part_forests, save_part_forests
 
 from lsc_pose_ros.bags import RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.serialization.deserialize import (
@@ -41,7 +43,6 @@ from lsc_pose_ros.bags.serialization.serialize import (
     transforms_message,
 )
 from lsc_pose_ros.bags.serialization.type_store import typestore
-from lsc_pose_ros.body_parts.context import PartForests
 from lsc_pose_ros.data_types.camera import Intrinsics, Lens
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -56,7 +57,6 @@ from lsc_pose_ros.messages.image_pixels import depth_of, labels_of
 from lsc_pose_ros.messages.transforms import Transform
 from lsc_pose_ros.messages.type_names import COMPRESSED_IMAGE
 from lsc_pose_ros.model_io.model_file import load_model, save_model
-from lsc_pose_ros.model_io.part_forest_file import load_part_forests, save_part_forests
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.synthetic.mocap.bvh import joint_poses, load_bvh
 from lsc_pose_ros.synthetic.mocap.mocap_mapping import load_mapping

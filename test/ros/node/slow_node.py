@@ -35,6 +35,6 @@ def estimate_slowly(self: Estimator, *arguments: Any) -> tuple[Skeletons, int]:
     return estimate(self, *arguments)
 
 
-Estimator.estimate_largest = estimate_slowly  # type: ignore[method-assign]
+Estimator.estimate_largest = estimate_slowly  # type: ignore[method-assign,assignment]
 
 sys.exit(main())
