@@ -357,7 +357,7 @@ def test_missing_and_wrong_model_file(recordings, tmp_path, capsys):
 
 def test_missing_folder_is_reported_before_the_training(recordings, tmp_path, capsys):
     line = complaint(capsys, ['train', recordings[0], '-o', tmp_path / 'no' / 'm.npz', *SMALL])
-    assert 'its folder must exist' in line
+    assert 'does not exist; create it first' in line
 
 
 def test_unknown_joint(recordings, tmp_path, capsys):

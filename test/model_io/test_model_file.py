@@ -68,7 +68,7 @@ def test_loaded_model_estimates_the_same_but_for_rounding(small_model, small_mod
     )
     moved = np.linalg.norm(after - before, axis=-1)
     assert np.median(moved) < HALF_A_STEP
-    assert np.percentile(moved, 99) < 0.02
+    assert np.percentile(moved, 99) < 0.03
 
 
 def test_nothing_in_the_file_is_a_pickle(small_model_file):
