@@ -23,8 +23,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from lsc_pose_ros.body_parts.context import PartForests
-from lsc_pose_ros.model_io.part_forest_file import load_part_forests, save_part_forests
 
 from lsc_pose_ros.bags import RecordingWriter, open_recording, read_messages
 from lsc_pose_ros.bags.serialization.deserialize import (
@@ -43,6 +41,7 @@ from lsc_pose_ros.bags.serialization.serialize import (
     transforms_message,
 )
 from lsc_pose_ros.bags.serialization.type_store import typestore
+from lsc_pose_ros.body_parts.part_network import INPUTS, OUTPUTS, Layer, PartNetwork
 from lsc_pose_ros.data_types.camera import Intrinsics, Lens
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -57,6 +56,12 @@ from lsc_pose_ros.messages.image_pixels import depth_of, labels_of
 from lsc_pose_ros.messages.transforms import Transform
 from lsc_pose_ros.messages.type_names import COMPRESSED_IMAGE
 from lsc_pose_ros.model_io.model_file import load_model, save_model
+from lsc_pose_ros.model_io.part_network_file import (
+    _MIXES,
+    _SOURCES,
+    load_part_network,
+    save_part_network,
+)
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.synthetic.mocap.bvh import joint_poses, load_bvh
 from lsc_pose_ros.synthetic.mocap.mocap_mapping import load_mapping
@@ -233,14 +238,14 @@ def read_rvl(data: bytes) -> None:
         decode_rvl(data[1:], data[0])
 
 
-def part_forests(path: Path) -> None:
-    """Write small forests of body parts."""
-    forests = load_part_forests().forests
-    few = [forest._replace(
-        roots=np.zeros(1, np.int32), splits=forest.splits[:3], plane=forest.plane[:3] * 0,
-        left=np.array([1, -1, -2], np.int32), leaves=forest.leaves[:2],
-    ) for forest in forests]  # fmt: skip
-    save_part_forests(path, PartForests(*few), {'made': 'by hand'})
+def part_network(path: Path) -> None:
+    """Write a small network of body parts: each layer has one plane, but the last one."""
+    layers = {}
+    for name, source in _SOURCES.items():
+        planes = OUTPUTS if name == 'scores' else 1
+        shape = (planes, INPUTS if source is None else 1, *(() if name in _MIXES else (9,)))
+        layers[name] = Layer(np.ones(shape, np.float32), np.zeros(planes, np.float32))
+    save_part_network(path, PartNetwork(**layers), {'made': 'by hand'})
 
 
 BVH = b"""HIERARCHY
@@ -296,8 +301,8 @@ def targets() -> dict[str, Target]:
             archive=True,
         ),
         'body parts': Target(
-            [written('p.npz', part_forests)],
-            through_file('p.npz', load_part_forests),
+            [written('p.npz', part_network)],
+            through_file('p.npz', load_part_network),
             archive=True,
         ),
         'mcap': Target([written('k.mcap', recording)], through_file('k.mcap', read_recording)),
