@@ -64,11 +64,12 @@ def estimate(model, frames):
 
 def test_loaded_model_estimates_the_same_but_for_rounding(small_model, small_model_file, people):
     before, after = (
-        estimate(model, people[::8]) for model in (small_model, load_model(small_model_file))
+        estimate(model, people[::2]) for model in (small_model, load_model(small_model_file))
     )
     moved = np.linalg.norm(after - before, axis=-1)
     assert np.median(moved) < HALF_A_STEP
-    assert np.percentile(moved, 99) < 0.03
+    # Now and then rounding selects another mode. With few joints, one more of these decides.
+    assert np.percentile(moved, 99) < 0.02
 
 
 def test_nothing_in_the_file_is_a_pickle(small_model_file):
