@@ -66,13 +66,13 @@ def compile_kernels() -> None:
         if segmenter is not None:
             warm_up_segmenter(segmenter, settings.background_seconds)
     encode_rvl(np.zeros(1, np.uint16))
-    for sensor in ('kinect_v1', 'tof'):  # triangulation and time of flight
-        scene = SyntheticSettings(frames=2, sensor=sensor, rate=30.0, background=True)
+    scenes = [
+        SyntheticSettings(frames=2, sensor=sensor, rate=30.0, background=True)
+        for sensor in ('kinect_v1', 'tof')  # triangulation and time of flight
+    ]
+    for scene in (*scenes, SyntheticSettings(frames=1, furniture=True, sloppy_masks=True)):
         for _ in synthetic_frames(scene):
             pass
-    scene = SyntheticSettings(frames=1, furniture=True, sloppy_masks=True)
-    for _ in synthetic_frames(scene):
-        pass
 
 
 def _train() -> Model:

@@ -28,11 +28,15 @@ from people import MocapSplit, RecordingSpec, digest_of, with_mocap
 
 from lsc_pose_ros.body_parts.depth_grid import depth_grid
 from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.files.kinds import archive
+from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.synthetic.generator import SyntheticScene, synthetic_scenes
 from lsc_pose_ros.synthetic.settings import SyntheticSettings
 
 FRAMES = 100
 """The number of frames of one recording."""
+
+_GRIDS = archive('a file of depth grids', 'depth.npy')
 
 _MILLIMETRES = 1000
 _DEEPEST = 65_535
@@ -94,9 +98,8 @@ def draw_grids(spec: RecordingSpec, mocap: MocapSplit, folder: Path) -> Path:
     path = folder / f'{spec.name}_{digest_of(settings, "")}.npz'
     if not path.exists():
         scenes = progress(synthetic_scenes(settings), settings.frames, spec.name)
-        partial = path.with_suffix('.part.npz')
-        np.savez_compressed(partial, **grids_of(scenes)._asdict())
-        partial.replace(path)
+        grids = grids_of(scenes)
+        write_output(path, _GRIDS, lambda file: np.savez_compressed(file, **grids._asdict()))
     return path
 
 

@@ -31,12 +31,16 @@ from torch.nn import functional
 
 from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
 from lsc_pose_ros.body_parts.part_network import INPUTS, OUTPUTS, Layer, PartNetwork
+from lsc_pose_ros.files.kinds import begins_with
+from lsc_pose_ros.files.output_file import write_output
 
 PLANES = 16, 32, 64, 96
 """The number of planes of each level."""
 
 LAST_PLANES = 24
 """The number of planes before the scores."""
+
+_STATE = begins_with('a state of a training', b'PK')
 
 MIDDLE_WEIGHT = 2.0
 """How much an error of the middle of one metre counts."""
@@ -212,12 +216,8 @@ def _resume(network: TorchNetwork, optimizer: torch.optim.Optimizer, state: Path
 def _save_state(
     network: TorchNetwork, optimizer: torch.optim.Optimizer, step: int, state: Path
 ) -> None:
-    partial = state.with_suffix('.part')
-    torch.save(
-        {'network': network.state_dict(), 'optimizer': optimizer.state_dict(), 'step': step},
-        partial,
-    )
-    partial.replace(state)
+    content = {'network': network.state_dict(), 'optimizer': optimizer.state_dict(), 'step': step}
+    write_output(state, _STATE, lambda file: torch.save(content, file))
 
 
 def exported(network: TorchNetwork) -> PartNetwork:

@@ -27,9 +27,6 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel
 
-BORDER = 1
-"""Width of the border of zeros around each plane, cells."""
-
 
 @kernel
 def with_border(planes: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -61,10 +58,30 @@ def convolve(
     Returns:
         The planes, shape (O, (h + 2) (w + 2)). Their border is not zero.
     """
-    offsets = nine_offsets(shape[1] + 2)
-    first = shape[1] + 3
-    count = planes.shape[1] - 2 * first
-    result = np.empty((weights.shape[0], planes.shape[1]), np.float32)
+    return sum_shifted(planes, nine_offsets(shape[1] + 2), shape, weights, bias)
+
+
+@kernel
+def sum_shifted(
+    planes: NDArray[np.float32],
+    offsets: NDArray[np.int64],
+    shape: tuple[int, int],
+    weights: NDArray[np.float32],
+    bias: NDArray[np.float32],
+) -> NDArray[np.float32]:
+    """Return the bias plus the weighted sums of shifted planes, shape (O, (h + 2) (w + 2)).
+
+    Args:
+        planes: flat, shape (C, N).
+        offsets: where each of the nine shifted planes begins, for the first cell, shape (9,).
+        shape: h and w of the result.
+        weights: shape (O, C, 9).
+        bias: shape (O,).
+    """
+    height, row = shape[0], shape[1] + 2
+    first = row + 1
+    count = height * row - 2
+    result = np.empty((weights.shape[0], (height + 2) * row), np.float32)
     for o in range(weights.shape[0]):
         inside = result[o, first : first + count]
         inside[:] = bias[o]
@@ -132,15 +149,7 @@ def convolve_halving(
     for u in range(3):
         for v in range(3):
             offsets[3 * u + v] = (2 * (u % 2) + v % 2) * size + (u // 2) * row + v // 2
-    count = (height - 1) * row + width
-    first = row + 1
-    result = np.empty((weights.shape[0], (height + 2) * row), np.float32)
-    for o in range(weights.shape[0]):
-        inside = result[o, first : first + count]
-        inside[:] = bias[o]
-        for c in range(planes.shape[0]):
-            add_nine(inside, quarters[c], offsets, weights[o, c])
-    return result
+    return sum_shifted(quarters, offsets, (height, width), weights, bias)
 
 
 @kernel

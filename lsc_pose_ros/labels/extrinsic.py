@@ -22,8 +22,8 @@ import numpy as np
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.transform_history import TransformHistory
-from lsc_pose_ros.labels.vocabulary import read_yaml
 from lsc_pose_ros.messages.label_messages import StampedTransform
+from lsc_pose_ros.resources.yaml_tables import read_yaml
 
 WORLD = 'world'
 """The frame of files that name none."""

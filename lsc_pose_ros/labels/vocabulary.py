@@ -22,13 +22,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.body_frame import body_frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.resources.package_files import resource
+from lsc_pose_ros.resources.yaml_tables import read_yaml, table_of
 
 OWN = 'lsc_pose'
 """The vocabulary of our own joint names."""
@@ -137,27 +137,11 @@ def load_vocabulary(name: str | os.PathLike[str]) -> Vocabulary:
         raise InputError(msg) from error
 
 
-def read_yaml(path: Path, what: str) -> Any:  # noqa: ANN401 - anything that YAML holds
-    """Return the contents of a YAML file; `what` names it in errors.
-
-    Raises:
-        InputError: the file cannot be read or is not YAML.
-    """
-    try:
-        return yaml.safe_load(path.read_text(encoding='utf-8'))
-    except OSError as error:
-        msg = f'cannot read the {what} {path}: {error.strerror or error}'
-        raise InputError(msg) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        msg = f'the {what} {path} is not valid YAML: {" ".join(str(error).split())}'
-        raise InputError(msg) from error
-
-
 def _read(path: Path, loaded: object) -> Vocabulary:
-    table = _table(loaded, 'the file', _KEYS)
+    table = table_of(loaded, 'the file', _KEYS)
     joints = {
         name: _joint(name, value)
-        for name, value in _table(table.get('joints'), 'joints', JOINT_NAMES).items()
+        for name, value in table_of(table.get('joints'), 'joints', JOINT_NAMES).items()
     }
     if not joints:
         msg = 'joints is empty'
@@ -181,7 +165,7 @@ def _read(path: Path, loaded: object) -> Vocabulary:
 def _joint(name: str, value: Any) -> JointSource:  # noqa: ANN401
     offset: Any = (0.0, 0.0, 0.0)
     if isinstance(value, dict) and 'of' in value:
-        table = _table(value, name, _SOURCE_KEYS)
+        table = table_of(value, name, _SOURCE_KEYS)
         value, offset = table['of'], table.get('offset', offset)
     if isinstance(value, str | int):
         value = [value]
@@ -206,14 +190,3 @@ def _number(value: object, name: str) -> float:
         msg = f'{name}: {value!r} is not a number'
         raise ValueError(msg)
     return float(value)
-
-
-def _table(value: object, name: str, keys: tuple[str, ...]) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        msg = f'{name} must be a table of {", ".join(keys)}'
-        raise ValueError(msg)  # noqa: TRY004 - the user's error, not the program's
-    unknown = [str(key) for key in value if key not in keys]
-    if unknown:
-        msg = f'{name} has unknown keys: {", ".join(unknown)}; known keys are {", ".join(keys)}'
-        raise ValueError(msg)
-    return value

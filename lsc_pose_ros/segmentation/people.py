@@ -41,10 +41,9 @@ class People:
     """Finds all people, with a network that classifies body parts.
 
     It gives each cell of a coarse grid the probabilities of 20 body parts and of "no person"
-    (`body_parts/part_network.py`). It also says of each cell where the middle of its
-    person is, which tells people apart (`person_instances.py`). Pixels are given to the cells
-    (`cell_labels.py`). The most certain
-    person is body 1.
+    (`body_parts/part_network.py`). It also says of each cell where the middle of its person is,
+    which tells people apart (`person_instances.py`). Pixels are given to the cells
+    (`cell_labels.py`). The most certain person is body 1.
     """
 
     ready = True

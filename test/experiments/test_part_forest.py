@@ -20,21 +20,13 @@ import numpy as np
 import pytest
 from lsc_pose_experiments.shotton.part_forest import SURE, PartForest, classify
 from plain.depth_comparison import comparison_twin
+from random_depth import random_depth
 
 from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
 from lsc_pose_ros.body_parts.depth_grid import depth_grid
 from lsc_pose_ros.data_types.camera import Intrinsics
 
 CAMERA = Intrinsics(140.0, 150.0, 79.5, 59.5)
-
-
-def random_depth(seed: int, height: int = 30, width: int = 41) -> np.ndarray:
-    """Return depth with all values that cameras send for "unknown"."""
-    rng = np.random.default_rng(seed)
-    depth = rng.uniform(0.3, 7.0, (height, width)).astype(np.float32)
-    for value in (0.0, np.nan, np.inf, -np.inf, np.finfo(np.float32).max, -1.0, 1e-30):
-        depth[rng.random(depth.shape) < 0.05] = value
-    return depth
 
 
 def random_forest(seed: int, trees: int = 3) -> PartForest:

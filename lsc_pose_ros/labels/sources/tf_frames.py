@@ -27,7 +27,8 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.tracks import LabelSettings, finished, skeletons_of
 from lsc_pose_ros.labels.transform_history import TransformHistory
-from lsc_pose_ros.labels.vocabulary import Vocabulary, read_yaml
+from lsc_pose_ros.labels.vocabulary import Vocabulary
+from lsc_pose_ros.resources.yaml_tables import read_yaml
 
 _LARGEST_BODY = 65535
 

@@ -45,26 +45,6 @@ _SHORTLIST = 3
 _NEARLY_BEST = 0.9
 
 
-def find_body_yaw(
-    model: Model, points: NDArray[np.float32], quantised: NDArray[np.uint8], scale: float
-) -> float:
-    """Return the body yaw of a person, radians, as `body_yaw_of`: where the votes agree most.
-
-    A few points try all body yaws. If several are nearly equal, all points decide between them.
-    Between two body yaws the agreement is interpolated by a parabola through three of them.
-
-    Args:
-        model: its trees split by the body yaw.
-        points: the person's points that vote, metres, shape (Q, 3).
-        quantised: their quantised descriptors, shape (Q, F).
-        scale: rho_bar, metres.
-    """
-    body_yaws = body_yaws_around(model.settings.body_yaws)
-    rough = agreements(model, *few_points(points, quantised), scale, body_yaws)
-    best = choose_body_yaw(model, points, quantised, scale, rough)
-    return float(body_yaws[best] + peak_beside(rough, best) * 2 * np.pi / len(body_yaws))
-
-
 def few_points(
     points: NDArray[np.float32], quantised: NDArray[np.uint8]
 ) -> tuple[NDArray[np.float32], NDArray[np.uint8]]:
@@ -94,10 +74,10 @@ def choose_body_yaw(
     """Return the index of the best body yaw; all points decide between those that are nearly so.
 
     Args:
-        model: as `find_body_yaw`.
-        points: as `find_body_yaw`.
-        quantised: as `find_body_yaw`.
-        scale: as `find_body_yaw`.
+        model: its trees split by the body yaw.
+        points: the person's points that vote, metres, shape (Q, 3).
+        quantised: their quantised descriptors, shape (Q, F).
+        scale: rho_bar, metres.
         rough: the agreement on each of the model's body yaws with few points.
     """
     body_yaws = body_yaws_around(len(rough))
@@ -132,7 +112,7 @@ def agreement_on(
 ) -> float:
     """Return how well the votes agree if the person's body yaw is `body_yaw`, radians.
 
-    Other arguments as `find_body_yaw`.
+    Other arguments as `choose_body_yaw`.
     """
     settings = model.settings
     leaves = find_leaves(model.forest, with_body_yaw(quantised, body_yaw))

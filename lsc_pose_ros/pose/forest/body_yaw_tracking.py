@@ -85,6 +85,9 @@ def follow_body_yaw(
 ) -> BodyYawBelief:
     """Return the body yaw of a person, given that of the frame before.
 
+    For a new person a few points try all body yaws. If several are nearly equal, all points decide
+    between them. Between two body yaws the agreement is interpolated by a parabola.
+
     Args:
         model: its trees split by the body yaw.
         points: the person's points that vote, metres, shape (Q, 3).

@@ -21,10 +21,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
 
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.resources.yaml_tables import read_yaml, table_of
 
 TRUNK: tuple[str, ...] = ('pelvis', 'waist', 'chest', 'neck', 'head')
 ARM: tuple[str, ...] = ('shoulder', 'upper_arm', 'forearm', 'hand')
@@ -98,16 +98,11 @@ def load_mapping(path: str | os.PathLike[str]) -> MocapMapping:
         InputError: the file cannot be read or is not a valid mapping.
     """
     target = Path(path)
+    loaded = read_yaml(target, 'mapping')
     try:
-        loaded = yaml.safe_load(target.read_text(encoding='utf-8'))
-    except OSError as error:
-        msg = f'cannot read the mapping {target}: {error.strerror or error}'
-        raise InputError(msg) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        msg = f'the mapping {target} is not valid YAML: {" ".join(str(error).split())}'
-        raise InputError(msg) from error
-    try:
-        return _read(target, _table(loaded, 'a mapping', ('axes', 'neutral', 'skip', 'segments')))
+        return _read(
+            target, table_of(loaded, 'a mapping', ('axes', 'neutral', 'skip', 'segments'))
+        )
     except ValueError as error:
         msg = f'{target} is not a usable mapping: {error}'
         raise InputError(msg) from error
@@ -116,7 +111,7 @@ def load_mapping(path: str | os.PathLike[str]) -> MocapMapping:
 def _read(path: Path, loaded: dict[str, Any]) -> MocapMapping:
     segments = {
         name: _source(name, value)
-        for name, value in _table(loaded.get('segments'), 'segments', SEGMENTS).items()
+        for name, value in table_of(loaded.get('segments'), 'segments', SEGMENTS).items()
     }
     needed = [
         name for name in SEGMENTS if name.removeprefix('l_').removeprefix('r_') not in _OPTIONAL
@@ -136,7 +131,7 @@ def _read(path: Path, loaded: dict[str, Any]) -> MocapMapping:
 
 
 def _axes(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - anything that YAML holds
-    named = _table(value, 'axes', ('up', 'forward'))
+    named = table_of(value, 'axes', ('up', 'forward'))
     up, forward = (_axis(named.get(name), name) for name in ('up', 'forward'))
     if abs(up @ forward) > 0:
         msg = 'axes: up and forward lie along the same axis'
@@ -155,7 +150,7 @@ def _axis(value: Any, name: str) -> NDArray[np.float64]:  # noqa: ANN401
 
 
 def _source(name: str, value: Any) -> SegmentSource:  # noqa: ANN401
-    named = _table(value, name, SegmentSource._fields)
+    named = table_of(value, name, SegmentSource._fields)
     source = SegmentSource(
         _joint(name, named.get('turns', '')),
         _joints(name, 'along', named.get('along')),
@@ -178,17 +173,6 @@ def _source(name: str, value: Any) -> SegmentSource:  # noqa: ANN401
 def _part(segment: str) -> str:
     """Return the segment's name without its side."""
     return segment.removeprefix('l_').removeprefix('r_')
-
-
-def _table(value: Any, name: str, keys: tuple[str, ...]) -> dict[str, Any]:  # noqa: ANN401
-    if not isinstance(value, dict):
-        msg = f'{name} must be a table of {", ".join(keys)}'
-        raise ValueError(msg)  # noqa: TRY004 - the user's error, not the program's
-    unknown = [str(key) for key in value if key not in keys]
-    if unknown:
-        msg = f'{name} has unknown keys: {", ".join(unknown)}; known keys are {", ".join(keys)}'
-        raise ValueError(msg)
-    return value
 
 
 def _joint(name: str, value: Any) -> str:  # noqa: ANN401

@@ -34,7 +34,7 @@ from lsc_pose_ros.viz.drawing.canvas import (
 from lsc_pose_ros.viz.drawing.colours import CURVES, FAINT
 from lsc_pose_ros.viz.drawing.legend import add_legend_entries
 from lsc_pose_ros.viz.report import PAGE_NAME
-from lsc_pose_ros.viz.report.page_parts import STYLE, facts_list, image
+from lsc_pose_ros.viz.report.page_parts import facts_list, html_page, image
 from lsc_pose_ros.viz.report.plots import FARTHEST_CM, cumulative
 
 
@@ -56,31 +56,18 @@ def write_comparison(
     """
     make_directory(directory)
     path = directory / PAGE_NAME
-    title = escape(' and '.join(model.name for model in models))
+    title = ' and '.join(model.name for model in models)
     curves = image(comparison_curves(models, tolerance), 'Cumulative errors of all joints')
     bars = image(comparison_bars(models, tolerance), 'Each joint of each model')
-    text = f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>{STYLE}</style>
-</head>
-<body>
-<h1>{title}</h1>
+    body = f"""\
 {facts_list(facts)}
 {_table(models, tolerance)}
 <h2>Joint by joint</h2>
 {bars}
 <h2>All errors</h2>
 <p>The fraction of the joints whose error is at most the value on the axis.</p>
-{curves}
-</body>
-</html>
-"""
-    write_output(path, HTML, text.encode())
+{curves}"""
+    write_output(path, HTML, html_page(title, body).encode())
     return path
 
 

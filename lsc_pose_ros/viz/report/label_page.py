@@ -25,7 +25,7 @@ from lsc_pose_ros.viz.drawing.canvas import make_directory
 from lsc_pose_ros.viz.report import PAGE_NAME
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
-from lsc_pose_ros.viz.report.page_parts import STYLE, facts_list, image
+from lsc_pose_ros.viz.report.page_parts import facts_list, html_page, image
 
 
 def write_label_page(
@@ -54,25 +54,12 @@ def write_label_page(
     if worst:
         sheet = image(contact_sheet(worst), 'The worst frames, with labels and estimates')
         frames = f'<h2>Worst frames</h2>\n<p>{_LEGEND}</p>\n{sheet}'
-    text = f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{escape(title)}</title>
-<style>{STYLE}</style>
-</head>
-<body>
-<h1>{escape(title)}</h1>
+    body = f"""\
 {facts_list(facts)}
 <h2>What to do</h2>
 <ul>{todo or '<li>Nothing stands out.</li>'}</ul>
-{frames}
-</body>
-</html>
-"""
-    write_output(path, HTML, text.encode())
+{frames}"""
+    write_output(path, HTML, html_page(title, body).encode())
     return path
 
 

@@ -25,7 +25,7 @@ from lsc_pose_ros.viz.drawing.canvas import png_bytes
 # The resolution of figures relative to their size on the page: for dense screens and paper.
 _SCALE = 2.0
 
-STYLE = """
+_STYLE = """
 :root { color-scheme: light }
 body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff;
   max-width: 68rem; margin: 2rem auto; padding: 0 1rem }
@@ -41,7 +41,31 @@ tfoot td { font-weight: bold }
 dl { display: grid; grid-template-columns: max-content auto; gap: .2rem 1.5rem }
 dt { color: #555 } dd { margin: 0; overflow-wrap: anywhere }
 """
-"""The style sheet of a page."""
+
+
+def html_page(title: str, body: str) -> str:
+    """Return a page as HTML.
+
+    Args:
+        title: plain text.
+        body: what follows the title, HTML.
+    """
+    title = escape(title)
+    return f"""\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>{title}</title>
+<style>{_STYLE}</style>
+</head>
+<body>
+<h1>{title}</h1>
+{body}
+</body>
+</html>
+"""
 
 
 def facts_list(facts: dict[str, str]) -> str:

@@ -27,7 +27,7 @@ from lsc_pose_ros.viz.drawing.canvas import make_directory
 from lsc_pose_ros.viz.report import PAGE_NAME
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
-from lsc_pose_ros.viz.report.page_parts import STYLE, facts_list, image
+from lsc_pose_ros.viz.report.page_parts import facts_list, html_page, image
 from lsc_pose_ros.viz.report.plots import error_curves, joint_bars, reliability_plot
 
 
@@ -69,18 +69,7 @@ def write_report(directory: Path, report: Report) -> Path:
 
 def page(report: Report) -> str:
     """Return the page as HTML."""
-    title = escape(report.title)
-    return f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>{title}</title>
-<style>{STYLE}</style>
-</head>
-<body>
-<h1>{title}</h1>
+    body = f"""\
 {_headline(report)}
 {facts_list(report.facts)}
 <h2>Joint by joint</h2>
@@ -91,10 +80,8 @@ def page(report: Report) -> str:
 {image(error_curves(report.evaluation, report.tolerance), 'Cumulative error curves')}
 {_confidence(measure_reliability(report.evaluation))}
 {_frames('Best frames', report.best)}
-{_frames('Worst frames', report.worst)}
-</body>
-</html>
-"""
+{_frames('Worst frames', report.worst)}"""
+    return html_page(report.title, body)
 
 
 def _headline(report: Report) -> str:

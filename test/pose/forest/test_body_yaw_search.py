@@ -21,14 +21,14 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
-from lsc_pose_ros.pose.forest import body_yaw_search
+from lsc_pose_ros.pose.forest import body_yaw_search, body_yaw_tracking
 from lsc_pose_ros.pose.forest.body_yaw import body_yaws_around, with_body_yaw
 from lsc_pose_ros.pose.forest.body_yaw_search import (
     agreement,
     agreement_on,
-    find_body_yaw,
     peak_beside,
 )
+from lsc_pose_ros.pose.forest.body_yaw_tracking import follow_body_yaw
 from lsc_pose_ros.pose.forest.forest import find_leaves
 from lsc_pose_ros.pose.forest.votes import Votes
 from lsc_pose_ros.pose.inference.density import VoteCloud
@@ -178,6 +178,11 @@ def apart(one: np.ndarray | float, two: np.ndarray | float) -> np.ndarray:
     return np.degrees(np.abs(np.angle(np.exp(1j * (np.asarray(one) - two)))))
 
 
+def find_body_yaw(model, points, quantised, scale):
+    """Return the body yaw of a person of whom nothing is known."""
+    return follow_body_yaw(model, points, quantised, scale, None, all_round=True).yaw
+
+
 def person_of(person: LabelledPerson, which: np.ndarray | None = None) -> tuple:
     """Return the arguments of the search: points in metres, descriptors, rho_bar."""
     which = np.arange(len(person.points)) if which is None else which
@@ -297,11 +302,12 @@ def test_order_of_the_body_yaws_does_not_matter(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for turned in (3, 6):
-        monkeypatch.setattr(
-            body_yaw_search,
-            'body_yaws_around',
-            lambda count, turned=turned: np.roll(body_yaws_around(count), turned),
-        )
+        for module in (body_yaw_search, body_yaw_tracking):
+            monkeypatch.setattr(
+                module,
+                'body_yaws_around',
+                lambda count, turned=turned: np.roll(body_yaws_around(count), turned),
+            )
         again = [find_body_yaw(body_yaw_model, *person_of(each)) for each in strangers[:50]]
         assert apart(again, found[:50]).max() < 0.01
 
