@@ -28,9 +28,9 @@ import struct
 import sys
 import time
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import rclpy
 from rclpy.node import Node
@@ -75,11 +75,21 @@ def main() -> int:
         node.create_publisher(kind, topic, qos)
         for kind, topic in zip((Image, CameraInfo, Image), topics, strict=False)
     ]
+    return run_camera(node, publishers, lambda: show(frames, publishers, arguments))
+
+
+def run_camera(
+    node: Node, publishers: Sequence[Publisher], show_all: Callable[[], dict[str, Any]]
+) -> int:
+    """Show images when each of `publishers` has a subscriber; return the exit status.
+
+    What `show_all` returns when all are shown is written to stdout, as JSON.
+    """
     if not wait_for_subscribers(publishers):
-        sys.stderr.write('live_camera: nobody subscribes\n')
+        sys.stderr.write(f'{Path(sys.argv[0]).stem}: nobody subscribes\n')
         return 1
-    told = show(frames, publishers, arguments)
-    sys.stdout.write(json.dumps(told))
+    sys.stdout.write(json.dumps(show_all()))
+    sys.stdout.flush()
     time.sleep(_SETTLING)  # the last images are still on their way
     node.destroy_node()  # type: ignore[no-untyped-call]
     rclpy.try_shutdown()

@@ -39,7 +39,7 @@ _START_TIMEOUT = 180.0
 _END_TIMEOUT = 20.0
 _SAMPLING_PERIOD = 1.0
 _SAMPLES = 100  # about so many readings of the memory are kept in the results
-LAST_DIAGNOSTICS = 2.5  # the node publishes them each second
+_LAST_DIAGNOSTICS = 2.5  # the node publishes them each second
 
 # The node's counters of what is left unanswered.
 _DROPS = (
@@ -82,13 +82,13 @@ class Observed(NamedTuple):
         camera: what the camera says it has done.
         heard: what the listener has noted.
         usages: readings of the node's process, from before the first image on.
-        load: the machine's load average over one minute, before and after.
+        ended: whether the node ended before it was told to.
     """
 
     camera: dict[str, Any]
     heard: dict[str, Any]
     usages: list[Usage]
-    load: tuple[float, float]
+    ended: bool
 
 
 def measure(setup: Setup, recording: Path, model: Path, folder: Path) -> dict[str, Any]:
@@ -103,29 +103,36 @@ def measure(setup: Setup, recording: Path, model: Path, folder: Path) -> dict[st
     Raises:
         InputError: one of the programs does not do its part.
     """
-    observed = _observe(setup, recording, model, folder)
-    return _summary(setup, observed)
-
-
-def _observe(setup: Setup, recording: Path, model: Path, folder: Path) -> Observed:
     before = os.getloadavg()[0]
-    environment = own_environment()
-    notes = folder / 'heard.json'
-    node_words = [
-        '-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={model}',
-        *(['-p', 'segmentation:=people'] if setup.room else []),
-    ]  # fmt: skip
+    node_words = ['-p', f'model:={model}', *(['-p', 'segmentation:=people'] if setup.room else [])]
     camera_words = [
         str(_HERE / 'live_camera.py'), str(recording), '--rate', str(setup.rate),
         '--seconds', str(setup.settle + setup.seconds),
         *(['--reliable'] if setup.reliable else []),
         *(['--without-masks'] if setup.room else []),
     ]  # fmt: skip
+    observed = observe(node_words, camera_words, folder)
+    return _summary(setup, observed, (before, os.getloadavg()[0]))
+
+
+def observe(node_words: Sequence[str], camera_words: Sequence[str], folder: Path) -> Observed:
+    """Run the node and a listener for as long as the camera shows images.
+
+    Args:
+        node_words: the ROS arguments of the node.
+        camera_words: the program of the camera, which ends with its own words in JSON.
+        folder: for the logs node.log, listener.log and camera.log.
+
+    Raises:
+        InputError: one of the programs does not do its part.
+    """
+    environment = own_environment()
+    notes = folder / 'heard.json'
+    words = ['-m', 'lsc_pose_ros.ros.node.main', '--ros-args', *node_words]
+    listener_words = [str(_HERE / 'live_listener.py'), str(notes)]
     with (
-        run_program(node_words, folder / 'node.log', environment) as node,
-        run_program(
-            [str(_HERE / 'live_listener.py'), str(notes)], folder / 'listener.log', environment
-        ) as listener,
+        run_program(words, folder / 'node.log', environment) as node,
+        run_program(listener_words, folder / 'listener.log', environment) as listener,
     ):
         wait_for('ready', node, folder / 'node.log')
         wait_for('listening', listener, folder / 'listener.log')
@@ -134,13 +141,14 @@ def _observe(setup: Setup, recording: Path, model: Path, folder: Path) -> Observ
         told = (folder / 'camera.log').read_text(encoding='utf-8')
         if camera.returncode or node.poll() is not None:
             raise InputError(failure(folder))
-        time.sleep(LAST_DIAGNOSTICS)
+        time.sleep(_LAST_DIAGNOSTICS)
         end_input(listener)
+        ended = node.poll() is not None
     return Observed(
         json.loads(told.splitlines()[-1]),
         json.loads(notes.read_text(encoding='utf-8')),
         usages,
-        (before, os.getloadavg()[0]),
+        ended,
     )
 
 
@@ -213,7 +221,7 @@ def sample(node: subprocess.Popen[bytes], camera: subprocess.Popen[bytes]) -> It
         time.sleep(_SAMPLING_PERIOD)
 
 
-def _summary(setup: Setup, observed: Observed) -> dict[str, Any]:
+def _summary(setup: Setup, observed: Observed, load: tuple[float, float]) -> dict[str, Any]:
     camera = observed.camera
     begin = camera['begin'] + round(1e9 * setup.settle)
     end = camera['begin'] + round(1e9 * camera['seconds'])
@@ -247,7 +255,7 @@ def _summary(setup: Setup, observed: Observed) -> dict[str, Any]:
         'drops': drops,
         'unaccounted': camera['sent'] - len(answers) - told_of(drops) if drops else None,
         'stages_ms_p50': _stages([values for time, values in diagnostics if time >= begin]),
-        'load_average': {'before': observed.load[0], 'after': observed.load[1]},
+        'load_average': {'before': load[0], 'after': load[1]},
     }
 
 

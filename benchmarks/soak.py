@@ -25,25 +25,13 @@ for, or if memory grew by 5 MB or more after the first fifth of at least ten min
 """
 
 import argparse
-import json
 import sys
 import tempfile
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from live_run import (
-    LAST_DIAGNOSTICS,
-    end_input,
-    failure,
-    memory_of,
-    own_environment,
-    run_program,
-    sample,
-    told_of,
-    wait_for,
-)
+from live_run import Observed, memory_of, observe, told_of
 from matplotlib.figure import Figure
 
 from lsc_pose_ros.bags import RecordingWriter
@@ -105,43 +93,23 @@ def _soak(arguments: argparse.Namespace, seconds: float, folder: Path) -> dict[s
     with RecordingWriter(recording) as writer:
         for frame in synthetic_frames(_SHOWN):
             writer.write_frame(frame)
-    environment = own_environment()
-    notes = folder / 'heard.json'
     model = find_model(arguments.model)
-    node_words = ['-m', 'lsc_pose_ros.ros.node.main', '--ros-args', '-p', f'model:={model}']
     camera_words = [
         str(_HERE / 'soak_camera.py'), str(recording), '--rate', str(arguments.rate),
         '--seconds', str(seconds), '--seed', str(arguments.seed),
         '--faults', str(arguments.faults),
     ]  # fmt: skip
-    listener_words = [str(_HERE / 'live_listener.py'), str(notes)]
-    with (
-        run_program(node_words, folder / 'node.log', environment) as node,
-        run_program(listener_words, folder / 'listener.log', environment) as listener,
-    ):
-        wait_for('ready', node, folder / 'node.log')
-        wait_for('listening', listener, folder / 'listener.log')
-        with run_program(camera_words, folder / 'camera.log', environment) as camera:
-            usages = list(sample(node, camera))
-        told = (folder / 'camera.log').read_text(encoding='utf-8')
-        if camera.returncode or node.poll() is not None:
-            raise InputError(failure(folder))
-        time.sleep(LAST_DIAGNOSTICS)
-        end_input(listener)
-        ended = node.poll() is not None
+    observed = observe(['-p', f'model:={model}'], camera_words, folder)
     log = (folder / 'node.log').read_text(encoding='utf-8')
-    heard = json.loads(notes.read_text(encoding='utf-8'))
-    shown = json.loads(told.splitlines()[-1])
-    return _report(shown, heard, memory_of(usages), log, ended=ended) | {
+    return _report(observed, log) | {
         'machine': describe_machine(),
         'versions': versions(),
         'model': str(arguments.model or model.name),
     }
 
 
-def _report(
-    shown: dict[str, Any], heard: dict[str, Any], memory: dict[str, Any], log: str, *, ended: bool
-) -> dict[str, Any]:
+def _report(observed: Observed, log: str) -> dict[str, Any]:
+    shown, heard = observed.camera, observed.heard
     good = set(shown['good'])
     answers = [(stamp, arrival) for stamp, arrival, _ in heard['answers']]
     latencies = [(stamp, 1e-6 * (arrival - stamp)) for stamp, arrival in answers if stamp in good]
@@ -165,11 +133,11 @@ def _report(
         'unaccounted': unaccounted,
         'latency_ms': {str(p): float(np.percentile(milliseconds, p)) for p in (50, 95, 99, 100)},
         'latencies': latencies[:: max(len(latencies) // 2000, 1)],
-        'memory_mb': memory,
+        'memory_mb': memory_of(observed.usages),
         'log_bytes': len(log),
         'tracebacks': log.count('Traceback'),
     }
-    return report | {'complaints': _complaints(report, ended=ended)}
+    return report | {'complaints': _complaints(report, ended=observed.ended)}
 
 
 def _complaints(report: dict[str, Any], *, ended: bool) -> list[str]:

@@ -25,7 +25,6 @@ those with each fault are written to stdout, as JSON.
 
 import argparse
 import array
-import json
 import sys
 import time
 from collections import Counter
@@ -36,14 +35,13 @@ from typing import Any
 import numpy as np
 import rclpy
 from builtin_interfaces.msg import Time
-from live_camera import wait_for_subscribers
+from live_camera import run_camera
 from rclpy.node import Node
 from sensor_msgs.msg import CameraInfo, Image
 
 from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 
-_SETTLING = 0.5
 _NANOSECONDS = 1_000_000_000
 
 # How long people are in view, and how long nobody is, seconds.
@@ -195,16 +193,7 @@ def main() -> int:
             (Image, 'mask'),
         )
     ]
-    if not wait_for_subscribers(publishers):
-        sys.stderr.write('soak_camera: nobody subscribes\n')
-        return 1
-    told = _show(frames, publishers, arguments)
-    sys.stdout.write(json.dumps(told))
-    sys.stdout.flush()
-    time.sleep(_SETTLING)  # the last images are still on their way
-    node.destroy_node()  # type: ignore[no-untyped-call]
-    rclpy.try_shutdown()
-    return 0
+    return run_camera(node, publishers, lambda: _show(frames, publishers, arguments))
 
 
 def _arguments() -> argparse.Namespace:
