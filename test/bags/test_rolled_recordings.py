@@ -73,7 +73,21 @@ def record(path: Path, frames: list[Frame], tf: dict[str, list[FrameTransform]])
 def skeletons_of(path: Path, tmp_path: Path, model: Path, *words: str) -> list[np.ndarray]:
     """Return the joints that `lsc_pose replay` writes."""
     output = tmp_path / f'out_{path.name}'
-    assert main(['replay', str(path), '-o', str(output), '--model', str(model), *words]) == 0
+    assert (
+        main(
+            [
+                'replay',
+                str(path),
+                '-o',
+                str(output),
+                '--model',
+                str(model),
+                '--no-temporal',
+                *words,
+            ]
+        )
+        == 0
+    )
     return [
         read_skeletons(message.data).skeletons.positions
         for message in read_messages(output)
