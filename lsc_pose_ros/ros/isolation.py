@@ -31,6 +31,10 @@ _LAST_DOMAIN = 101
 _FIRST_PORT = 7410
 _PORTS_PER_DOMAIN = 250
 
+# A process numbers its participants over all domains: that of the second context of a program is
+# never the first one of its domain.
+_PARTICIPANTS = 10
+
 
 def isolated_environment() -> dict[str, str]:
     """Return environment variables for ROS programs that communicate only with each other.
@@ -50,14 +54,20 @@ def isolated_environment() -> dict[str, str]:
 
 def _free_domain() -> int:
     for domain in _domains():
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
-            try:
-                probe.bind(('', _FIRST_PORT + _PORTS_PER_DOMAIN * domain))
-            except OSError:
-                continue
-        return domain
+        first = _FIRST_PORT + _PORTS_PER_DOMAIN * domain
+        if all(_is_free(first + 2 * number) for number in range(_PARTICIPANTS)):
+            return domain
     msg = 'all ROS domains are in use on this computer; end some ROS programs'
     raise InputError(msg)
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.bind(('', port))
+        except OSError:
+            return False
+    return True
 
 
 def _domains() -> Iterator[int]:
