@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.classes import CLASSES
+from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
 from lsc_pose_ros.body_parts.convolution import (
     add,
     add_doubled,
@@ -40,6 +40,7 @@ from lsc_pose_ros.body_parts.convolution import (
     with_border,
 )
 from lsc_pose_ros.body_parts.depth_grid import DepthGrid
+from lsc_pose_ros.numerics.fast_math import exp_neg
 from lsc_pose_ros.numerics.jit import kernel
 
 INPUTS = 5
@@ -111,14 +112,14 @@ class CellParts(NamedTuple):
 
     Attributes:
         depth: metres, 0 if unknown, shape (h, w).
-        probabilities: of each class, shape (h, w, CLASSES); all 0 at a cell that is not
-            classified.
+        person: the probability that the cell shows a person, shape (h, w); 0 at a cell that is
+            not classified.
         to_middle: from each cell to the middle of what is visible of its person, across and down
             the image at the depth of the cell, and away from the camera, metres, shape (h, w, 3).
     """
 
     depth: NDArray[np.float32]
-    probabilities: NDArray[np.float32]
+    person: NDArray[np.float32]
     to_middle: NDArray[np.float32]
 
 
@@ -135,7 +136,7 @@ def classify(grid: DepthGrid, network: PartNetwork, stride: int, farthest: float
     fx, fy = grid.focal_lengths
     scores = score_cells(input_planes(depth, (fx / stride, fy / stride)), network)
     return CellParts(
-        depth, probabilities_of(scores, depth, farthest), middles_of(scores, depth.shape)
+        depth, person_probabilities(scores, depth, farthest), middles_of(scores, depth.shape)
     )
 
 
@@ -240,36 +241,37 @@ def _add_from_above(
 
 
 @kernel
-def probabilities_of(
+def person_probabilities(
     scores: NDArray[np.float32], depth: NDArray[np.float32], farthest: float
 ) -> NDArray[np.float32]:
-    """Return the probability of each class at each cell, p_c = exp(s_c) / sum_k exp(s_k).
+    """Return the probability of a person at each cell, 1 - exp(s_n) / sum_k exp(s_k), shape (h, w).
+
+    Class n is NOT_A_PERSON, and k runs over all classes.
 
     Args:
         scores: with border, flat, shape (OUTPUTS, (h + 2) (w + 2)).
         depth: metres, 0 if unknown, shape (h, w).
-        farthest: cells at a larger depth have none, metres.
-
-    Returns:
-        Shape (h, w, CLASSES); all 0 at a cell without depth, or farther than `farthest`.
+        farthest: cells at a larger depth have probability 0, metres.
     """
     height, width = depth.shape
-    probabilities = np.zeros((height, width, CLASSES), np.float32)
+    person = np.zeros((height, width), np.float32)
+    largest, total = np.empty(width, np.float32), np.empty(width, np.float32)
     for i in range(height):
+        first = (i + 1) * (width + 2) + 1
+        row = scores[:CLASSES, first : first + width]
+        largest[:] = row[0]
+        for c in range(1, CLASSES):
+            for j in range(width):
+                largest[j] = max(largest[j], row[c, j])
+        total[:] = 0
+        for c in range(CLASSES):
+            for j in range(width):
+                total[j] += exp_neg(largest[j] - row[c, j])
         for j in range(width):
-            if not 0 < depth[i, j] <= farthest:
-                continue
-            cell = (i + 1) * (width + 2) + j + 1
-            largest = scores[0, cell]
-            for c in range(1, CLASSES):
-                largest = max(largest, scores[c, cell])
-            total = np.float32(0)
-            for c in range(CLASSES):
-                probabilities[i, j, c] = np.exp(scores[c, cell] - largest)
-                total += probabilities[i, j, c]
-            for c in range(CLASSES):
-                probabilities[i, j, c] /= total
-    return probabilities
+            nobody = exp_neg(largest[j] - row[NOT_A_PERSON, j])
+            if 0 < depth[i, j] <= farthest:
+                person[i, j] = np.float32(1) - nobody / total[j]
+    return person
 
 
 @kernel

@@ -21,7 +21,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.body_parts.part_network import CellParts
 from lsc_pose_ros.numerics.jit import kernel
 
@@ -58,13 +57,10 @@ def person_cells(
     height, width = parts.depth.shape
     fx, fy, cx, cy = camera
     number = np.full((height, width), -1, np.int32)
-    shows = np.zeros((height, width), np.float32)
     count = 0
     for i in range(height):
         for j in range(width):
-            for c in range(NOT_A_PERSON + 1, parts.probabilities.shape[2]):
-                shows[i, j] += parts.probabilities[i, j, c]
-            if shows[i, j] >= threshold and shows[i, j] > 0:
+            if parts.person[i, j] >= threshold and parts.person[i, j] > 0:
                 number[i, j] = count
                 count += 1
     vote = np.empty((count, 3), np.float32)
@@ -81,5 +77,5 @@ def person_cells(
             vote[n, 1] = ((i - cy) / fy + down / z) * middle
             vote[n, 2] = middle
             area[n] = z * z / (fx * fy)
-            person[n] = shows[i, j]
+            person[n] = parts.person[i, j]
     return PersonCells(number, vote, area, person)

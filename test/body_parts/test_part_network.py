@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from random_depth import random_depth
 
-from lsc_pose_ros.body_parts.classes import CLASSES
+from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
 from lsc_pose_ros.body_parts.depth_grid import FARTHEST, depth_grid, grid_step, reduce_depth
 from lsc_pose_ros.body_parts.part_network import (
     CELL_WIDTH,
@@ -175,7 +175,7 @@ def test_probabilities_are_those_of_the_scores(seed: int, stride: int) -> None:
     depth = grid.depth[::stride, ::stride]
     np.testing.assert_array_equal(parts.depth, depth)
     known = (depth > 0) & (depth <= 5.0)
-    assert not parts.probabilities[~known].any()
+    assert not parts.person[~known].any()
     fx, fy = grid.focal_lengths
     planes = input_planes(np.ascontiguousarray(depth), (fx / stride, fy / stride))
     outputs = np.moveaxis(scores_twin(planes.astype(float), network), 0, -1)
@@ -185,12 +185,12 @@ def test_probabilities_are_those_of_the_scores(seed: int, stride: int) -> None:
     assert np.isfinite(parts.to_middle).all()
     assert (abs(parts.to_middle) <= FARTHEST_MIDDLE).all()
     raised = np.exp(scores - scores.max(axis=-1, keepdims=True))
-    expected = raised / raised.sum(axis=-1, keepdims=True)
-    np.testing.assert_allclose(parts.probabilities[known], expected[known], rtol=0, atol=1e-3)
+    expected = 1 - raised[..., NOT_A_PERSON] / raised.sum(axis=-1)
+    np.testing.assert_allclose(parts.person[known], expected[known], rtol=0, atol=1e-3)
 
 
 @pytest.mark.parametrize('value', [0.0, np.nan, np.inf, np.finfo(np.float32).max])
 def test_an_image_without_depth_has_no_probabilities(value: float) -> None:
     grid = depth_grid(np.full((40, 50), value, np.float32), CAMERA)
     assert not grid.depth.any()
-    assert not classify(grid, random_network(), 2, 6.0).probabilities.any()
+    assert not classify(grid, random_network(), 2, 6.0).person.any()

@@ -21,10 +21,8 @@ import itertools
 import numpy as np
 import pytest
 
-from lsc_pose_ros.body_parts.classes import CLASSES, NOT_A_PERSON
 from lsc_pose_ros.body_parts.part_network import CellParts
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.segmentation import cell_labels, person_instances
 from lsc_pose_ros.segmentation.cell_labels import labels_from_cells
 from lsc_pose_ros.segmentation.person_cells import PersonCells, person_cells
@@ -38,19 +36,16 @@ from lsc_pose_ros.segmentation.person_instances import (
 )
 
 CAMERA = (60.0, 62.0, 30.0, 22.0)  # fx, fy, cx, cy in cells
-TORSO = 1 + JOINT_NUMBERS['torso']
 
 
 def random_scene(seed: int) -> CellParts:
     """Return cells of several surfaces, some of them not classified."""
     rng = np.random.default_rng(seed)
     depth = rng.choice([1.5, 1.58, 2.0, 2.6], (14, 18)).astype(np.float32)
-    probabilities = rng.random((14, 18, CLASSES)).astype(np.float32)
-    probabilities[..., NOT_A_PERSON] *= 15
-    probabilities /= probabilities.sum(axis=-1, keepdims=True)
+    person = rng.random((14, 18)).astype(np.float32)
     unknown = rng.random(depth.shape) < 0.15
-    depth[unknown], probabilities[unknown] = 0, 0
-    return CellParts(depth, probabilities, rng.normal(0, 0.4, (14, 18, 3)).astype(np.float32))
+    depth[unknown], person[unknown] = 0, 0
+    return CellParts(depth, person, rng.normal(0, 0.4, (14, 18, 3)).astype(np.float32))
 
 
 def cells_of(parts: CellParts, threshold: float = 0.4) -> PersonCells:
@@ -60,9 +55,8 @@ def cells_of(parts: CellParts, threshold: float = 0.4) -> PersonCells:
 @pytest.mark.parametrize('seed', range(3))
 def test_cells_of_people_vote_for_their_middle(seed: int) -> None:
     parts = random_scene(seed)
-    shows = parts.probabilities[..., 1:].sum(axis=-1)
     cells = person_cells(parts, CAMERA, 0.4)
-    chosen = np.argwhere(shows >= 0.4)
+    chosen = np.argwhere(parts.person >= np.float32(0.4))
     assert len(chosen) == len(cells.area) > 10
     fx, fy, cx, cy = CAMERA
     for n, (i, j) in enumerate(chosen):
@@ -73,7 +67,7 @@ def test_cells_of_people_vote_for_their_middle(seed: int) -> None:
         expected = [(column - cx) / fx * middle, (row - cy) / fy * middle, middle]
         np.testing.assert_allclose(cells.vote[n], expected, rtol=1e-4, atol=1e-4)
         assert cells.number[i, j] == n
-        assert cells.person[n] == pytest.approx(shows[i, j], abs=1e-5)
+        assert cells.person[n] == parts.person[i, j]
         assert cells.area[n] == pytest.approx(z * z / fx / fy, rel=1e-5)
     assert (cells.number >= 0).sum() == len(chosen)
 
@@ -147,8 +141,7 @@ def paint(people: list[tuple[int, float]], *, arm: bool = False) -> CellParts:
         to_middle[mine, 0] = (columns[mine].mean() - columns[mine]) * z / CAMERA[0]
         to_middle[mine, 1] = (rows[mine].mean() - rows[mine]) * z / CAMERA[1]
         to_middle[mine, 2] = z.mean() - z
-    classes = np.where(owner >= 0, TORSO, NOT_A_PERSON)
-    return CellParts(depth, np.eye(CLASSES, dtype=np.float32)[classes], to_middle)
+    return CellParts(depth, (owner >= 0).astype(np.float32), to_middle)
 
 
 def bodies_in(parts: CellParts) -> np.ndarray:
@@ -173,7 +166,7 @@ def test_an_arm_before_the_trunk_belongs_to_it() -> None:
 def test_legs_below_a_counter_belong_to_the_trunk_above_it() -> None:
     parts = paint([(20, 2.0)])
     parts.depth[20:28] = 1.5
-    parts.probabilities[20:28] = np.eye(CLASSES)[NOT_A_PERSON]
+    parts.person[20:28] = 0
     body = bodies_in(parts)
     assert body.max() == 0
     assert (body[30:39, 16:24] == 0).all()
@@ -190,7 +183,7 @@ def test_a_person_behind_another_is_another() -> None:
 def test_a_few_cells_of_a_limb_are_no_body() -> None:
     parts = paint([(20, 2.5)])
     parts.depth[20:24, 45:48] = 2.5
-    parts.probabilities[20:24, 45:48] = np.eye(CLASSES)[TORSO]
+    parts.person[20:24, 45:48] = 1
     body = bodies_in(parts)
     assert body.max() == 0
     assert (body[20:24, 45:48] == -1).all()
@@ -201,19 +194,17 @@ def test_small_and_far_bodies_need_more_certainty() -> None:
     assert least_person(0.1, 2.0) > least_person(0.3, 2.0)
     assert least_person(0.3, 5.0) > least_person(0.3, 4.0)
     parts = paint([(20, 2.5)])
-    shown = parts.probabilities[..., TORSO] > 0
-    parts.probabilities[shown, TORSO] = least_person(0.3, 2.5) - 0.01
+    shown = parts.person > 0
+    parts.person[shown] = least_person(0.3, 2.5) - 0.01
     assert bodies_in(parts).max() == -1
-    parts.probabilities[shown, TORSO] += 0.02
+    parts.person[shown] += 0.02
     assert bodies_in(parts).max() == 0
 
 
 def test_no_cells_are_no_bodies() -> None:
     parts = paint([])
     assert (bodies_in(parts) == -1).all()
-    nothing = parts._replace(
-        depth=np.zeros_like(parts.depth), probabilities=np.zeros_like(parts.probabilities)
-    )
+    nothing = parts._replace(depth=np.zeros_like(parts.depth), person=np.zeros_like(parts.person))
     assert (bodies_in(nothing) == -1).all()
 
 
