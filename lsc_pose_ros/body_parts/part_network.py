@@ -244,9 +244,9 @@ def _add_from_above(
 def person_probabilities(
     scores: NDArray[np.float32], depth: NDArray[np.float32], farthest: float
 ) -> NDArray[np.float32]:
-    """Return the probability of a person at each cell, 1 - exp(s_n) / sum_k exp(s_k), shape (h, w).
+    """Return the probability of a person at each cell, shape (h, w).
 
-    Class n is NOT_A_PERSON, and k runs over all classes.
+    It is 1 - exp(s_n) / sum_k exp(s_k): class n is NOT_A_PERSON, k runs over all classes.
 
     Args:
         scores: with border, flat, shape (OUTPUTS, (h + 2) (w + 2)).
