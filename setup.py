@@ -144,7 +144,14 @@ setup(
     ],
     package_data={
         PACKAGE: ['py.typed'],
-        f'{PACKAGE}.resources': ['bodies/*', 'body_parts/*', 'config/*', 'config/*/*', 'models/*'],
+        f'{PACKAGE}.resources': [
+            'annotate/*',
+            'bodies/*',
+            'body_parts/*',
+            'config/*',
+            'config/*/*',
+            'models/*',
+        ],
     },
     install_requires=REQUIREMENTS,
     extras_require=EXTRAS,

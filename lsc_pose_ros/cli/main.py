@@ -78,6 +78,9 @@ COMMANDS: dict[str, Command] = {
         'lsc_pose_ros.cli.commands.label_command',
         'add labels from another program to a recording',
     ),
+    'annotate': Command(
+        'lsc_pose_ros.cli.commands.annotate_command', 'label a recording by hand, in a browser'
+    ),
     'synth': Command(
         'lsc_pose_ros.cli.commands.synth_command',
         'generate a labelled recording of synthetic people',

@@ -42,9 +42,10 @@ DEPTH_BEHIND_SURFACE: Mapping[str, float] = {
 }  # fmt: skip
 """How far each joint is behind the surface that a camera sees there, metres."""
 
-_SURFACE_TO_JOINT = np.array(
+SURFACE_TO_JOINT = np.array(
     [DEPTH_BEHIND_SURFACE[name.removeprefix('l_').removeprefix('r_')] for name in JOINT_NAMES]
 )
+"""DEPTH_BEHIND_SURFACE of each of our joints, metres, shape (20,)."""
 
 # The surface is the nearer side of the depths around the pixel: a limb before the trunk or the
 # wall is meant, and single wrong pixels are not.
@@ -105,7 +106,7 @@ class KeypointLabels:
         ours = self._settings.vocabulary.ours(flat)[:, :2]
         depth = np.array([surface_depth(pixel, frame.depth) for pixel in ours])
         self._without_depth += int((np.isfinite(ours).all(axis=1) & np.isnan(depth)).sum())
-        z = depth + _SURFACE_TO_JOINT
+        z = depth + SURFACE_TO_JOINT
         seen = np.asarray(np.isfinite(ours).all(axis=1))
         known = np.where(seen[:, None], ours, 0.0)
         directions = directions_of(known[:, 0], known[:, 1], frame.camera)

@@ -1,0 +1,78 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""The frames of a recording in any order: depth images on the disk, all else in memory."""
+
+import tempfile
+from collections.abc import Iterable
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from lsc_pose_ros.data_types.frame import Frame
+
+_Number = TypeVar('_Number', np.float32, np.int32)
+
+
+class StoredFrame(NamedTuple):
+    """A frame without its images, and where these are."""
+
+    frame: Frame
+    at: int
+
+
+class FrameStore:
+    """Frames by their numbers; the images are in a file that ends with the program."""
+
+    def __init__(self, frames: Iterable[Frame]) -> None:
+        """Read all frames."""
+        self._file = tempfile.TemporaryFile(prefix='lsc_pose_annotate_')  # noqa: SIM115
+        self._frames: list[StoredFrame] = []
+        for frame in frames:
+            at = self._file.tell()
+            self._file.write(np.ascontiguousarray(frame.depth).tobytes())
+            self._file.write(np.ascontiguousarray(frame.labels).tobytes())
+            nothing = np.zeros((0, *frame.depth.shape[1:]))
+            stored = frame._replace(
+                depth=nothing.astype(np.float32), labels=nothing.astype(np.int32)
+            )
+            self._frames.append(StoredFrame(stored, at))
+
+    def __len__(self) -> int:
+        """Return the number of frames."""
+        return len(self._frames)
+
+    @property
+    def stamps(self) -> list[int]:
+        """The stamps of all frames, nanoseconds."""
+        return [stored.frame.stamp for stored in self._frames]
+
+    def __getitem__(self, number: int) -> Frame:
+        """Return a frame."""
+        stored = self._frames[number]
+        end = self._frames[number + 1].at if number + 1 < len(self._frames) else self._end
+        size = (end - stored.at) // (np.dtype(np.float32).itemsize + np.dtype(np.int32).itemsize)
+        self._file.seek(stored.at)
+        depth = self._read(size, np.dtype(np.float32))
+        labels = self._read(size, np.dtype(np.int32))
+        shape = -1, stored.frame.depth.shape[1]
+        return stored.frame._replace(depth=depth.reshape(shape), labels=labels.reshape(shape))
+
+    @property
+    def _end(self) -> int:
+        return self._file.seek(0, 2)
+
+    def _read(self, count: int, dtype: np.dtype[_Number]) -> NDArray[_Number]:
+        return np.frombuffer(self._file.read(count * dtype.itemsize), dtype).copy()

@@ -1,0 +1,170 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""`lsc_pose annotate`: labels a recording by hand, in a browser."""
+
+import argparse
+import os
+import sys
+import threading
+import webbrowser
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+from lsc_pose_ros.annotation.frame_store import FrameStore
+from lsc_pose_ros.annotation.journal import Journal
+from lsc_pose_ros.annotation.server import AnnotationServer
+from lsc_pose_ros.annotation.session import AnnotatedFrames, Session
+from lsc_pose_ros.bags import RecordingWriter, open_recording
+from lsc_pose_ros.bags.storage.writer import RECORDING
+from lsc_pose_ros.cli.commands.label_command import open_unturned
+from lsc_pose_ros.cli.options.numbers import positive_int
+from lsc_pose_ros.cli.options.setting_options import add_setting_options, settings_from
+from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
+from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
+from lsc_pose_ros.model_io.model_file import load_model
+from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.resources.package_files import find_model
+from lsc_pose_ros.settings.table import FrameSettings
+
+HELP = """Label a recording by hand: a page in the browser shows each depth image with the answer
+of the model, or the labels that there are, and joints are dragged to where they belong. Each
+change is kept at once; the same command goes on where an interrupted one ended. docs/labels.md
+shows how."""
+
+JOURNAL_SUFFIX = '.journal'
+"""What follows the name of the output in that of the journal."""
+
+_LARGEST_PORT = 65_535
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the command's arguments to `parser`."""
+    parser.add_argument(
+        'recording',
+        type=Path,
+        metavar='RECORDING',
+        help='the recording: an .mcap or .db3 file, or a bag folder',
+    )
+    parser.add_argument(
+        '-o',
+        '--output',
+        type=Path,
+        metavar='LABELLED',
+        help='the labelled recording (default: RECORDING_labelled.mcap in this folder)',
+    )
+    parser.add_argument(
+        '--every',
+        type=positive_int,
+        default=1,
+        metavar='N',
+        help='label only each N-th frame (default: %(default)s)',
+    )
+    parser.add_argument(
+        '--port', type=int, default=0, metavar='PORT', help='of the page (default: any free one)'
+    )
+    parser.add_argument(
+        '--browser',
+        action=argparse.BooleanOptionalAction,
+        default=True,
+        help='open the page in the browser (default: %(default)s)',
+    )
+    add_setting_options(parser, 'model')
+    add_topic_arguments(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve the page until it finishes, and return the exit status.
+
+    Raises:
+        InputError: the recording, the journal or the output cannot be used.
+    """
+    if arguments.output is None:
+        arguments.output = Path(f'{arguments.recording.stem}_labelled.mcap')
+    if not 0 <= arguments.port <= _LARGEST_PORT:
+        msg = f'--port is {arguments.port}; give 0 to {_LARGEST_PORT}'
+        raise InputError(msg)
+    check_outputs([Output(arguments.output, RECORDING)], [arguments.recording])
+    estimator = Estimator(load_model(find_model(arguments.model)))
+    store = _read_frames(arguments)
+    path = Path(f'{arguments.output}{JOURNAL_SUFFIX}')
+    with closing(Journal(path, arguments.recording.name, store.stamps)) as journal:
+        session = Session(
+            arguments.recording.name,
+            store,
+            journal,
+            lambda frame: estimator.estimate(frame.depth, frame.labels, frame.camera),
+        )
+        _serve(arguments, session, journal)
+    return 0
+
+
+def _read_frames(arguments: argparse.Namespace) -> FrameStore:
+    settings = replace(settings_from(arguments, FrameSettings), camera_roll='0')
+    reader = open_recording(arguments.recording, topics_of(arguments), settings=settings)
+    frames = progress(reader, reader.count, 'reading')
+    store = FrameStore(frame for n, frame in enumerate(frames) if n % arguments.every == 0)
+    for warning in reader.warnings:
+        print(f'lsc_pose: warning: {warning}', file=sys.stderr)
+    return store
+
+
+def _serve(arguments: argparse.Namespace, session: Session, journal: Journal) -> None:
+    ended = threading.Event()
+
+    def finish() -> str:
+        text = _write(arguments, session)
+        journal.remove()
+        ended.set()
+        return text
+
+    server = AnnotationServer(session, finish, arguments.port)
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    print(f'Annotate at {server.address}', flush=True)
+    print(
+        f'Ctrl-C stops. What was done is in {journal.path}; the same command goes on.', flush=True
+    )
+    if arguments.browser:
+        webbrowser.open(server.address)
+    try:
+        while not ended.wait(0.5):  # a wait without end would not notice Ctrl-C on Windows
+            pass
+    finally:
+        server.shutdown()
+        server.server_close()
+
+
+def _write(arguments: argparse.Namespace, session: Session) -> str:
+    """Write the labelled recording, and return what it contains."""
+    finished = session.finished()
+    if not finished:
+        msg = 'no frame is done yet: press Enter on each frame whose joints are right'
+        raise InputError(msg)
+    counts = LabelCounts()
+    reader = open_unturned(arguments)
+    with RecordingWriter(arguments.output) as writer:
+        for _ in write_labelled_copy(reader, AnnotatedFrames(finished), writer, counts):
+            pass
+    text = (
+        f'{os.fspath(arguments.output)}: {counts.frames} frames, {counts.labelled} of them '
+        f'labelled, {counts.bodies} bodies'
+    )
+    if counts.unmatched:
+        text += f'; {counts.unmatched} bodies were left out, because no mask shows them'
+    print(text, flush=True)
+    return text
