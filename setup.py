@@ -63,6 +63,7 @@ EXTRAS = {
         'hypothesis>=6.100',
         'import-linter>=2.0',
         'mypy==2.4.1',
+        'playwright>=1.40',
         'pyarrow>=14',
         'pytest>=7.4,<10',
         'ruff==0.17.6',

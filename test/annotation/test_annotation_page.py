@@ -15,6 +15,7 @@
 """The page of `lsc_pose annotate` in a real browser, from the first frame to the recording."""
 
 import json
+import re
 import shutil
 import signal
 import sys
@@ -143,15 +144,17 @@ def edit_the_first_frame(page) -> dict[str, np.ndarray]:
     return {HAND: dragged, 'head': head}
 
 
+def wait_for_text(page, selector: str, text: str) -> None:
+    page.locator(selector).filter(has_text=re.compile(f'^{text}$')).wait_for()
+
+
 def accept(page, done: int) -> None:
     """Say that the frame is done, and wait until so many are."""
     with page.expect_response('**/keep/*'):
         page.locator('#accept').click()
-    text = f'{done} of {FRAMES}'
-    page.wait_for_function(f"document.getElementById('count').textContent === '{text}'")
+    wait_for_text(page, '#count', f'{done} of {FRAMES}')
     if done < FRAMES:
-        text = f'{done + 1} of {FRAMES}'
-        page.wait_for_function(f"document.getElementById('frame').textContent === '{text}'")
+        wait_for_text(page, '#frame', f'{done + 1} of {FRAMES}')
 
 
 def check_first_frame(frame: Frame, pixels: dict[str, np.ndarray]) -> None:
@@ -213,23 +216,19 @@ def test_a_body_can_be_copied_added_and_removed(page, recording, tmp_path) -> No
     count = circle(page, HAND).count()
     page.locator('h1').click()
     press(page, 'a')
-    page.wait_for_function(
-        f'document.querySelectorAll(\'circle[data-place$="/{HAND}"]\').length === {count + 1}'
-    )
+    circle(page, HAND).nth(count).wait_for()
     with page.expect_response('**/keep/*'):
         page.locator('#removeBody').click()
-    page.wait_for_function(
-        f'document.querySelectorAll(\'circle[data-place$="/{HAND}"]\').length === {count}'
-    )
+    circle(page, HAND).nth(count).wait_for(state='detached')
     first = pixel_on_screen(page, HAND)
     press(page, 'PageDown', '**/depth/1')
-    page.wait_for_function("document.getElementById('frame').textContent === '2 of 10'")
+    wait_for_text(page, '#frame', '2 of 10')
     press(page, 'c')
-    page.wait_for_function("!document.getElementById('undo').disabled")
+    page.locator('#undo:enabled').wait_for()
     np.testing.assert_allclose(pixel_on_screen(page, HAND), first, atol=0.01)
     # Nothing is done, so there is nothing to write.
     page.locator('#finish').click()
-    page.wait_for_function("document.getElementById('message').textContent.includes('no frame')")
+    wait_for_text(page, '#message', 'no frame is done.*')
     status, _, err = program.end(signal.SIGINT)
     assert status == 130, err
     lines = Path(f'{tmp_path}/labelled.mcap.journal').read_text().splitlines()
