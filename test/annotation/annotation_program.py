@@ -14,6 +14,7 @@
 # limitations under the License.
 """`lsc_pose annotate` as a program of its own, as users start it."""
 
+import atexit
 import re
 import signal
 import subprocess
@@ -45,6 +46,8 @@ class AnnotationProgram:
             stderr=subprocess.PIPE,
             text=True,
         )
+        # Not left alone if the test fails.
+        atexit.register(self._process.kill)
         line = self._process.stdout.readline()
         found = re.search(r'http://\S+', line)
         assert found is not None, line + self._process.communicate()[1]
@@ -65,4 +68,5 @@ class AnnotationProgram:
         if number is not None:
             self._process.send_signal(number)
         out, err = self._process.communicate()
+        atexit.unregister(self._process.kill)
         return self._process.returncode, out, err
