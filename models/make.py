@@ -89,7 +89,8 @@ def main(words: Sequence[str] | None = None) -> int:
     """Make the model that `words` name and return the exit status."""
     arguments = _parser().parse_args(words)
     try:
-        arguments.directory.mkdir(parents=True, exist_ok=True)
+        for folder in (arguments.directory, arguments.target):
+            folder.mkdir(parents=True, exist_ok=True)
         mocap = MocapSplit()
         if arguments.mocap:
             mocap = find_mocap(arguments.mocap, arguments.mapping)
