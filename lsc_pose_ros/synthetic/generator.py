@@ -26,7 +26,7 @@ from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.numerics.jit import exact_kernel
-from lsc_pose_ros.synthetic.body.body_mesh import PosedBody
+from lsc_pose_ros.synthetic.body.body_mesh import PosedBody, RestBody
 from lsc_pose_ros.synthetic.body.skin_parts import skin_parts
 from lsc_pose_ros.synthetic.people import PersonSampler, SyntheticPerson, attire_meshes
 from lsc_pose_ros.synthetic.sampling import RandomStream
@@ -45,6 +45,7 @@ from lsc_pose_ros.synthetic.scene.placement import (
 )
 from lsc_pose_ros.synthetic.scene.room import Room, render_room, sample_room
 from lsc_pose_ros.synthetic.scene.shapes import join
+from lsc_pose_ros.synthetic.scene.walking_paths import sample_crossing_paths
 from lsc_pose_ros.synthetic.sensors.sensors import apply_sensor
 from lsc_pose_ros.synthetic.settings import (
     SyntheticSettings,
@@ -174,6 +175,11 @@ class _ClipGenerator:
         source = np.random.SeedSequence([self.settings.seed, number])
         random = _Generators(*(np.random.Generator(np.random.PCG64(s)) for s in source.spawn(3)))
         bodies = [self._sampler.sample_body(random.people) for _ in range(self.settings.people)]
+        if self.settings.crossing:
+            state = self._cross(bodies, random)
+            for frame in range(self.length):
+                yield self._render(state, frame, random.sensor)
+            return
         people = [self._sampler.sample_person(rest, self.length, random.people) for rest in bodies]
         if self.settings.furniture:
             people = [
@@ -196,11 +202,27 @@ class _ClipGenerator:
         """Sample a placement and, if the settings want one, a room that hides nobody."""
         framings = [Framing(self._constraints)] * _PLACEMENT_TRIES
         people, placement = self._placement(people, framings, random)
-        room = None
-        if self.settings.background:
-            extents = [person.extent for person in people]
-            room = sample_room(extents, placement, random.room)
-        return _SceneState(people, placement, room)
+        return _SceneState(people, placement, self._room(people, placement, random))
+
+    def _cross(self, bodies: list[RestBody], random: _Generators) -> _SceneState:
+        """Sample people who walk across the view."""
+        seconds = np.arange(self.length) / (self.settings.rate or _STILL_RATE)
+        crossing = sample_crossing_paths(len(bodies), seconds, self._constraints, random.people)
+        people = [
+            self._sampler.sample_walker(rest, path, random.people)
+            for rest, path in zip(bodies, crossing.paths, strict=True)
+        ]
+        return _SceneState(
+            people, crossing.placement, self._room(people, crossing.placement, random)
+        )
+
+    def _room(
+        self, people: list[SyntheticPerson], placement: ScenePlacement, random: _Generators
+    ) -> Room | None:
+        """Sample a room that hides nobody, if the settings want one."""
+        if not self.settings.background:
+            return None
+        return sample_room([person.extent for person in people], placement, random.room)
 
     def _furnish(self, people: list[SyntheticPerson], random: _Generators) -> _SceneState:
         """Sample a placement in a furnished room."""

@@ -27,6 +27,7 @@ from lsc_pose_ros.synthetic.body.clothes import clothes_regions, dress
 from lsc_pose_ros.synthetic.body.population import BodySampler, Population
 from lsc_pose_ros.synthetic.mocap.mocap import Mocap, load_mocap
 from lsc_pose_ros.synthetic.motion.motion import Motion, RestingFractions, sample_motion
+from lsc_pose_ros.synthetic.motion.walking import walking_motion
 from lsc_pose_ros.synthetic.outfit.carried import CarriedSize, carried_load, sample_carried
 from lsc_pose_ros.synthetic.outfit.garments import sample_garments
 from lsc_pose_ros.synthetic.outfit.outfit import Outfit, outfit_of
@@ -34,6 +35,7 @@ from lsc_pose_ros.synthetic.sampling import RandomStream
 from lsc_pose_ros.synthetic.scene.occupant import Occupant, regions_of
 from lsc_pose_ros.synthetic.scene.placement import PersonExtent, ScenePlacement
 from lsc_pose_ros.synthetic.scene.shapes import Mesh
+from lsc_pose_ros.synthetic.scene.walking_paths import WalkingPath
 from lsc_pose_ros.synthetic.settings import SyntheticSettings
 
 # The directions in which `hull_vertices` looks for the outermost vertices of each bone.
@@ -93,6 +95,8 @@ class SyntheticPerson(NamedTuple):
         seated: whether the person sits on a seat, shape (T,).
         attire: what the person wears and carries; None if only tight clothes.
         lying: how a person lies, or None if the person never does.
+        path: where the person walks, relative to the position in the placement, metres, shape
+            (T, 3); None for a person who stays. `extent` and `joints` include it.
     """
 
     rest: RestBody
@@ -103,6 +107,7 @@ class SyntheticPerson(NamedTuple):
     seated: NDArray[np.bool_]
     attire: Attire | None = None
     lying: Lying | None = None
+    path: NDArray[np.float64] | None = None
 
     def single_frame(self, frame: int) -> 'SyntheticPerson':
         """Return the person with one frame only."""
@@ -116,7 +121,13 @@ class SyntheticPerson(NamedTuple):
             self.seated[one],
             self.attire,
             self.lying and Lying(self.lying.lies[one], self.lying.lift[one]),
+            None if self.path is None else self.path[one],
         )
+
+    def along(self, path: NDArray[np.float64]) -> 'SyntheticPerson':
+        """Return the person who walks along a path, metres, shape (T, 3)."""
+        extent = PersonExtent(self.extent.points + path[:, None], self.extent.trunk + path)
+        return self._replace(extent=extent, joints=self.joints + path[:, None], path=path)
 
 
 class PersonSampler:
@@ -187,6 +198,21 @@ class PersonSampler:
         if motion.lying is not None and motion.lying.any():
             return self._on_beds(person, motion.lying, random)
         return person
+
+    def sample_walker(
+        self, rest: RestBody, path: WalkingPath, random: np.random.Generator
+    ) -> SyntheticPerson:
+        """Sample a person who walks along a path, with the arms of motion capture if there is any.
+
+        Raises:
+            InputError: a motion capture file cannot be used.
+        """
+        motion = walking_motion(self.body, rest, path.distance, path.yaw)
+        if random.random() < self._mocap_fraction and self._mocap:
+            count = len(path.yaw)
+            moved = self._mocap.sample(self.body, rest, count, self._rate, self._yaw, random)
+            motion = Motion(moved.rotations, path.yaw)
+        return self.stand_on_floor(rest, motion).along(path.positions)
 
     def _on_beds(
         self, person: SyntheticPerson, lying: NDArray[np.bool_], random: np.random.Generator
@@ -263,7 +289,8 @@ class PersonSampler:
         rotations = person.rotations[frame].copy()
         rotations[0] = placement.tilt @ rotations[0]
         height = np.array([0.0, person.pelvis_heights[frame], 0.0])
-        position = placement.tilt @ (placement.positions[number] - height)
+        path = 0.0 if person.path is None else person.path[frame]
+        position = placement.tilt @ (placement.positions[number] + path - height)
         return pose_body(self.body, person.rest, rotations, position)
 
 

@@ -59,6 +59,8 @@ class SyntheticSettings(NamedTuple):
         clip_length: number of successive frames with the same people; None is 10, or 90 in a
             video.
         rate: frames per second of smooth motion; None generates independent frames.
+        crossing: whether people walk across the view, hide each other, and leave the image; a
+            video only.
         cropped: whether the image edge can cut people off.
         background: whether people are in a room; its furniture does not hide them.
         furniture: whether people are in a room with much furniture, which can hide any part of
@@ -88,6 +90,7 @@ class SyntheticSettings(NamedTuple):
     stature: tuple[float, float] = Population().stature
     clip_length: int | None = None
     rate: float | None = None
+    crossing: bool = False
     cropped: bool = False
     background: bool = False
     furniture: bool = False
@@ -156,6 +159,14 @@ def _amount_conditions(settings: SyntheticSettings) -> tuple[_Condition, ...]:
         (
             rate is None or 1 <= rate <= 1000,
             f'the rate is {rate or 0:g} frames a second; give 1 to 1000',
+        ),
+        (
+            rate is not None or not settings.crossing,
+            'people cross only in a video; give its frame rate',
+        ),
+        (
+            not (settings.crossing and settings.furniture),
+            'people cross only in rooms without furniture; leave one of the two out',
         ),
     )
 

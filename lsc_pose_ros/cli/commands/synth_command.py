@@ -148,6 +148,12 @@ def _add_positions(parser: argparse._ArgumentGroup) -> None:
         dest='camera_tilt',
     )
     parser.add_argument(
+        '--crossing',
+        action='store_true',
+        help='in a video: people walk to and fro, one behind the other, hide each other, and '
+        'leave the image',
+    )
+    parser.add_argument(
         '--cropped',
         action='store_true',
         help='let the edge of the image cut off people; otherwise they are in full view',
