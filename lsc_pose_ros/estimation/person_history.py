@@ -16,29 +16,26 @@
 
 """Knows the people of the frames before: what is expected of each body of the next frame.
 
-A body is the person of the frame before who was nearest to it. Numbers do not matter: many
-segmentations number the bodies anew in each frame.
+A body is the person of the frames before who is expected nearest to it. Numbers do not matter:
+many segmentations number the bodies anew in each frame.
 """
 
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.camera.rays import ImageRays, image_rays
-from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
 from lsc_pose_ros.estimation.joint_filter import FilteredJoints, filter_joints, measured_joints
-from lsc_pose_ros.numerics.jit import kernel
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.forest.body_yaw_tracking import BodyYawBelief
 from lsc_pose_ros.pose.inference.past import Past
+from lsc_pose_ros.tracking.assignment import assign
+from lsc_pose_ros.tracking.movement import LARGEST_COST, Movement, at_rest
+from lsc_pose_ros.tracking.surfaces import Surface
 
 LONGEST_GAP_NS = 500_000_000
 """After a longer time nothing is expected of a person, nanoseconds."""
-
-GATE = 0.4
-"""The largest distance between a body and the person's last place, metres."""
 
 FRAME_TIME = 1 / 30
 REACH = 0.1
@@ -56,16 +53,13 @@ LARGEST_STEP = 0.15
 ALL_ROUND_EVERY = 15
 """All body yaws are tried again after so many frames."""
 
-STRIDE = 3
-"""Each so many rows and columns tell where a body is."""
-
 
 class Person(NamedTuple):
     """What is known of a person after a frame.
 
     Attributes:
         stamp: nanoseconds.
-        place: the mean of the visible surface, metres, shape (3,).
+        movement: of the visible surface.
         joints: the filtered joints.
         velocity: metres per second, 0 if unknown, shape (J, 3).
         confidence: of the joints, shape (J,).
@@ -74,7 +68,7 @@ class Person(NamedTuple):
     """
 
     stamp: int
-    place: NDArray[np.float64]
+    movement: Movement
     joints: FilteredJoints
     velocity: NDArray[np.float32]
     confidence: NDArray[np.float32]
@@ -91,34 +85,22 @@ class PersonHistory:
         self._before: list[Person] = []
         self._now: list[Person] = []
         self._matched: dict[int, Person] = {}
-        self._places: dict[int, NDArray[np.float64]] = {}
+        self._surfaces: Mapping[int, Surface] = {}
 
-    def begin(
-        self,
-        stamp: int,
-        depth: NDArray[np.floating],
-        labels: NDArray[np.signedinteger],
-        camera: Intrinsics,
-    ) -> None:
+    def begin(self, stamp: int, surfaces: Mapping[int, Surface]) -> None:
         """Begin a frame: find out who its bodies are.
 
         Args:
             stamp: nanoseconds. After a gap, or a stamp that goes back, nobody is known.
-            depth: metres, 0 if unknown, shape (H, W).
-            labels: the body number of each pixel, NO_BODY for none, shape (H, W).
-            camera: the intrinsics.
-
-        Raises:
-            InputError: an argument has another type or shape.
+            surfaces: of its bodies, by number.
         """
         people = {id(person): person for person in (*self._before, *self._now)}
         self._before = [
             person for person in people.values() if 0 < stamp - person.stamp <= LONGEST_GAP_NS
         ]
         self._stamp, self._now = stamp, []
-        images = check_images(depth, labels, camera)
-        self._places = places_of(images)
-        self._matched = nearest_people(self._places, self._before)
+        self._surfaces = surfaces
+        self._matched = people_of(stamp, surfaces, self._before)
 
     def recall(self, number: int) -> Past | None:
         """Return what is expected of a body of this frame; None if it is nobody known."""
@@ -144,12 +126,14 @@ class PersonHistory:
             metres, NaN if not estimated, shape (J, 3).
         """
         joints = measured_joints(body.joints, body.confidence)
-        place, before = self._places.get(body.number), self._matched.get(body.number)
-        if place is None:
+        surface, before = self._surfaces.get(body.number), self._matched.get(body.number)
+        if surface is None:
             return body.joints
+        movement = at_rest(self._stamp, surface)
         velocity, frames = np.zeros_like(body.joints), 0
         if before is not None:
             self._before = [person for person in self._before if person is not before]
+            movement = before.movement.seen(self._stamp, surface)
         if before is not None and body.past is not None:
             seconds = (self._stamp - before.stamp) * 1e-9
             expected = FilteredJoints(body.past.joints, before.joints.variance)
@@ -158,74 +142,26 @@ class PersonHistory:
             velocity = np.where(np.isfinite(moved), moved, np.float32(0))
             frames = 0 if body.past.all_round else before.frames + 1
         self._now.append(
-            Person(self._stamp, place, joints, velocity, body.confidence, body.body_yaw, frames)
+            Person(self._stamp, movement, joints, velocity, body.confidence, body.body_yaw, frames)
         )
         return joints.positions
 
 
-def nearest_people(
-    places: dict[int, NDArray[np.float64]], people: list[Person]
+def people_of(
+    stamp: int, surfaces: Mapping[int, Surface], people: Sequence[Person]
 ) -> dict[int, Person]:
-    """Return the person that each body is, by the body's number; the nearest pairs first.
+    """Return the person that each body is, by the body's number; the least likely are nobody.
 
     Args:
-        places: of the bodies, metres, by number.
+        stamp: nanoseconds.
+        surfaces: of the bodies, by number.
         people: who are known.
     """
-    pairs = sorted(
-        (distance, number, index)
-        for number, place in places.items()
-        for index, person in enumerate(people)
-        if (distance := float(np.linalg.norm(place - person.place))) <= GATE
-    )
-    matched: dict[int, Person] = {}
-    taken: set[int] = set()
-    for _, number, index in pairs:
-        if number not in matched and index not in taken:
-            matched[number] = people[index]
-            taken.add(index)
-    return matched
-
-
-def places_of(
-    images: ImageArguments,
-) -> dict[int, NDArray[np.float64]]:
-    """Return the mean of the visible surface of each body, metres, by the body's number."""
-    depth, labels, camera = images
-    numbers = np.unique(labels[::STRIDE, ::STRIDE])
-    numbers = numbers[numbers >= 0]
-    sums = sum_points(depth, labels, image_rays(camera, *depth.shape), numbers)
-    return {
-        int(number): row[:3] / row[3]
-        for number, row in zip(numbers, sums, strict=True)
-        if row[3] > 0
-    }
-
-
-@kernel
-def sum_points(
-    depth: NDArray[np.float32],
-    labels: NDArray[np.int32],
-    rays: ImageRays,
-    numbers: NDArray[np.int32],
-) -> NDArray[np.float64]:
-    """Return the sums of x, y, z and 1 over the points of each body, shape (B, 4).
-
-    Args:
-        depth: metres, 0 or not finite if unknown, shape (H, W).
-        labels: the body number of each pixel, shape (H, W).
-        rays: of the pixels.
-        numbers: of the bodies, ascending, shape (B,).
-    """
-    sums = np.zeros((numbers.shape[0], 4))
-    for row in range(0, depth.shape[0], STRIDE):
-        for column in range(0, depth.shape[1], STRIDE):
-            z = depth[row, column]
-            if labels[row, column] < 0 or not 0 < z < np.inf:
-                continue
-            body = np.searchsorted(numbers, labels[row, column])
-            sums[body, 0] += z * rays.right[row + 1, column + 1]
-            sums[body, 1] += z * rays.down[row + 1, column + 1]
-            sums[body, 2] += z
-            sums[body, 3] += 1
-    return sums
+    numbers = list(surfaces)
+    costs = np.array(
+        [
+            [person.movement.cost(stamp, surfaces[number]) for person in people]
+            for number in numbers
+        ]
+    ).reshape(len(numbers), len(people))
+    return {numbers[row]: people[column] for row, column in assign(costs, LARGEST_COST)}

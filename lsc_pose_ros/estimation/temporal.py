@@ -18,10 +18,13 @@
 The live node and the replay of a recording both use this, so their results are equal.
 """
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.image_arguments import check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.person_history import PersonHistory
 from lsc_pose_ros.pose.estimator import Estimator
@@ -30,6 +33,7 @@ from lsc_pose_ros.pose.inference.stature import statures
 from lsc_pose_ros.pose.stages import Observer
 from lsc_pose_ros.settings.table import NO_POSITION, TemporalSettings
 from lsc_pose_ros.tracking.one_euro import OneEuroBodies, OneEuroSettings
+from lsc_pose_ros.tracking.surfaces import Surface, surfaces_of
 from lsc_pose_ros.tracking.tracker import Tracker
 
 # A stamp that goes back by more than this restarts the sequence, nanoseconds.
@@ -100,17 +104,27 @@ class TemporalEstimator:
         """
         if self._is_earlier(stamp):
             self.reset()
+        images = check_images(depth, labels, camera)
+        settings = self.settings
+        if settings.tracks(from_mask=from_mask):
+            images = images._replace(labels=self._tracker.join_fragments(stamp, images))
+        surfaces = surfaces_of(images)
         memory = None
-        if self.settings.temporal:
+        if settings.temporal:
             memory = self._history
-            memory.begin(stamp, depth, labels, camera)
-        skeletons, beyond = self.estimator.estimate_largest(
-            depth, labels, camera, observer, memory
-        )
+            memory.begin(stamp, surfaces)
+        skeletons, beyond = self.estimator.estimate_largest(*images, observer, memory)
         self.beyond_maximum += beyond
-        return self.follow(stamp, skeletons, from_mask=from_mask)
+        return self.follow(stamp, skeletons, surfaces, from_mask=from_mask)
 
-    def follow(self, stamp: int, skeletons: Skeletons, *, from_mask: bool = True) -> Skeletons:
+    def follow(
+        self,
+        stamp: int,
+        skeletons: Skeletons,
+        surfaces: Mapping[int, Surface],
+        *,
+        from_mask: bool = True,
+    ) -> Skeletons:
         """Return `skeletons` with persistent body numbers, smoothed, depending on the settings.
 
         Bodies below the minimum confidence or stature are left out.
@@ -118,6 +132,7 @@ class TemporalEstimator:
         Args:
             stamp: nanoseconds.
             skeletons: the estimate of a frame.
+            surfaces: of the bodies, by number.
             from_mask: whether the numbers of the bodies are those of a mask image.
         """
         if self._is_earlier(stamp):
@@ -126,7 +141,7 @@ class TemporalEstimator:
         settings = self.settings
         skeletons = self._without_doubtful(skeletons)
         if settings.tracks(from_mask=from_mask):
-            skeletons = self._tracker.follow(stamp, skeletons)
+            skeletons = self._tracker.follow(stamp, skeletons, surfaces)
         if settings.smoothing:
             smoothing = OneEuroSettings(settings.smoothing_cutoff, settings.smoothing_beta)
             skeletons = self._filter.filter(stamp, skeletons, smoothing)

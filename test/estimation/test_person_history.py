@@ -23,7 +23,6 @@ import pytest
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.data_types.image_arguments import check_images
 from lsc_pose_ros.estimation import person_history
 from lsc_pose_ros.estimation.joint_filter import (
     DOUBTFUL_ERROR,
@@ -37,8 +36,7 @@ from lsc_pose_ros.estimation.joint_filter import (
 from lsc_pose_ros.estimation.person_history import (
     Person,
     PersonHistory,
-    nearest_people,
-    places_of,
+    people_of,
 )
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
 from lsc_pose_ros.pose.forest.body_yaw_tracking import LARGEST_DOUBT, TURN_PENALTY, carry_over
@@ -50,8 +48,11 @@ from lsc_pose_ros.pose.inference.past import (
     contradicts,
     log_pasts,
 )
+from lsc_pose_ros.tracking.movement import at_rest
+from lsc_pose_ros.tracking.surfaces import Surface
 
 CAMERA = Intrinsics(60.0, 62.0, 30.0, 22.0)
+NO_IMAGES = np.zeros((9, 9), np.float32), np.full((9, 9), NO_BODY, np.int32)
 FRAME_NS = 33_333_333
 
 
@@ -99,45 +100,26 @@ def test_the_belief_is_carried_over_along_the_circle(count: int) -> None:
     np.testing.assert_allclose(carry_over(belief), expected)
 
 
-def scene(*bodies: tuple[int, int, int, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Return depth and labels: number, first row, first column and depth of squares."""
-    depth, labels = np.zeros((45, 60), np.float32), np.full((45, 60), NO_BODY, np.int32)
-    for number, row, column, z in bodies:
-        depth[row : row + 12, column : column + 12] = z
-        labels[row : row + 12, column : column + 12] = number
-    return depth, labels
+def surface(x: float) -> Surface:
+    return Surface(np.array([x, 0, 2.0]), 0.5)
 
 
-def test_the_place_of_a_body_is_the_mean_of_its_points() -> None:
-    depth, labels = scene((3, 3, 6, 2.0), (700, 21, 30, 3.0))
-    depth[6, 9], depth[9, 9] = np.inf, 0
-    places = places_of(check_images(depth, labels, CAMERA))
-    assert sorted(places) == [3, 700]
-    stride = person_history.STRIDE
-    for number, place in places.items():
-        points = []
-        for row, column in itertools.product(range(0, 45, stride), range(0, 60, stride)):
-            z = float(depth[row, column])
-            if labels[row, column] == number and 0 < z < np.inf:
-                points.append([(column - 30) / 60 * z, (row - 22) / 62 * z, z])
-        np.testing.assert_allclose(place, np.mean(points, axis=0), rtol=1e-5, atol=1e-6)
-
-
-def person(place: list[float]) -> Person:
+def person(x: float) -> Person:
     nothing = np.zeros((2, 3), np.float32)
     joints = FilteredJoints(nothing, np.ones(2))
-    return Person(0, np.array(place), joints, nothing, np.ones(2, np.float32), None, 0)
+    confidence = np.ones(2, np.float32)
+    return Person(0, at_rest(0, surface(x)), joints, nothing, confidence, None, 0)
 
 
 def test_a_body_is_the_nearest_person_whatever_its_number() -> None:
-    people = [person([0, 0, 2]), person([0.3, 0, 2]), person([5, 0, 2])]
-    places = {7: np.array([0.28, 0, 2.0]), 1: np.array([0.1, 0, 2.0]), 4: np.array([2, 0, 2.0])}
-    matched = nearest_people(places, people)
-    assert matched == {7: people[1], 1: people[0]}
+    people = [person(0), person(0.3), person(5)]
+    surfaces = {7: surface(0.28), 1: surface(0.1), 4: surface(2)}
+    assert people_of(FRAME_NS, surfaces, people) == {7: people[1], 1: people[0]}
+    assert people_of(FRAME_NS, surfaces, []) == people_of(FRAME_NS, {}, people) == {}
 
 
 def estimate(number: int, joints: list[list[float]], past: Past | None) -> BodyEstimate:
-    body = BodyEstimate.in_image(*scene(), CAMERA, number, past)
+    body = BodyEstimate.in_image(*NO_IMAGES, CAMERA, number, past)
     body.joints = np.array(joints, np.float32)
     body.confidence = np.array([0.9, 0.4], np.float32)
     body.body_yaw = None
@@ -146,46 +128,46 @@ def estimate(number: int, joints: list[list[float]], past: Past | None) -> BodyE
 
 def test_a_movement_goes_on_and_a_gap_or_an_earlier_stamp_ends_it() -> None:
     history = PersonHistory()
-    images = scene((1, 9, 12, 2.0))
-    history.begin(0, *images, CAMERA)
+    body = {1: surface(0)}
+    history.begin(0, body)
     assert history.recall(1) is None
     history.remember(estimate(1, [[0, 0, 2], [0, 1, 2]], None))
     # The same body has another number now.
-    history.begin(FRAME_NS, *scene((5, 9, 12, 2.0)), CAMERA)
+    history.begin(FRAME_NS, {5: surface(0)})
     past = history.recall(5)
     np.testing.assert_allclose(past.joints, [[0, 0, 2], [0, 1, 2]])
     np.testing.assert_allclose(past.weight, [0.9, 0.4])
     assert past.reach == pytest.approx(person_history.REACH, rel=1e-4)
     filtered = history.remember(estimate(5, [[0.02, 0, 2], [0, np.nan, 2]], past))
     assert 0 < filtered[0, 0] < 0.02
-    history.begin(2 * FRAME_NS, *images, CAMERA)
+    history.begin(2 * FRAME_NS, body)
     past = history.recall(1)
     expected = filtered[0, 0] * (1 + person_history.TREND)
     assert past.joints[0, 0] == pytest.approx(expected, rel=1e-3)
     assert np.isnan(past.joints[1, 1])
     # Nobody is seen for some frames, then the person comes back.
-    history.begin(3 * FRAME_NS, *scene(), CAMERA)
-    history.begin(4 * FRAME_NS, *images, CAMERA)
+    history.begin(3 * FRAME_NS, {})
+    history.begin(4 * FRAME_NS, body)
     assert history.recall(1).reach == pytest.approx(person_history.REACH * np.sqrt(3), rel=1e-3)
-    history.begin(4 * FRAME_NS + person_history.LONGEST_GAP_NS, *images, CAMERA)
+    history.begin(4 * FRAME_NS + person_history.LONGEST_GAP_NS, body)
     assert history.recall(1) is None
 
 
 def test_after_a_stamp_that_goes_back_nobody_is_known() -> None:
     history = PersonHistory()
-    images = scene((1, 9, 12, 2.0))
-    history.begin(FRAME_NS, *images, CAMERA)
+    body = {1: surface(0)}
+    history.begin(FRAME_NS, body)
     history.remember(estimate(1, [[0, 0, 2], [0, 1, 2]], None))
-    history.begin(0, *images, CAMERA)
+    history.begin(0, body)
     assert history.recall(1) is None
 
 
 def test_all_body_yaws_are_tried_now_and_then() -> None:
     history = PersonHistory()
-    images = scene((1, 9, 12, 2.0))
+    body = {1: surface(0)}
     tried = []
     for frame in range(40):
-        history.begin(frame * FRAME_NS, *images, CAMERA)
+        history.begin(frame * FRAME_NS, body)
         past = history.recall(1)
         tried.append(past is None or past.all_round)
         history.remember(estimate(1, [[0, 0, 2], [0, 1, 2]], past))

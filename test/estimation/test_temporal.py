@@ -21,7 +21,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
+from lsc_pose_ros.data_types.camera import Intrinsics
+from lsc_pose_ros.data_types.frame import NO_BODY
+from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS, numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import HIDDEN_CONFIDENCE, REWIND_NS, TemporalEstimator
 from lsc_pose_ros.settings.table import AUTO, MASK, NO_POSITION, TRACKED, TemporalSettings
@@ -32,6 +34,7 @@ FRAME = 33_000_000
 START = 1_700_000_000 * 10**9
 EVERYBODY = TemporalSettings(minimum_body_confidence=0.0, minimum_stature=0.0, temporal=False)
 SMOOTHED = replace(EVERYBODY, smoothing=True, smoothing_cutoff=1.0, smoothing_beta=2.0)
+IMAGES = np.ones((6, 8), np.float32), np.full((6, 8), NO_BODY, np.int32), Intrinsics(8, 8, 4, 3)
 BOTH = replace(SMOOTHED, body_ids=TRACKED)
 
 
@@ -68,7 +71,7 @@ def answers():
 
 
 def run(temporal_estimator, count, start=START):
-    return [temporal_estimator.estimate(start + n * FRAME, None, None, None) for n in range(count)]
+    return [temporal_estimator.estimate(start + n * FRAME, *IMAGES) for n in range(count)]
 
 
 def assert_same(found, expected):
@@ -117,7 +120,7 @@ def test_stamps_that_go_back_begin_anew(answers, settings):
     late = TemporalEstimator(Script([*answers, answers[0]]), settings)
     run(late, 30)
     newest = START + 29 * FRAME
-    found = late.estimate(newest - REWIND_NS, None, None, None)
+    found = late.estimate(newest - REWIND_NS, *IMAGES)
     assert late._newest == newest
     assert found.bodies.tolist() == [1, 2]
 
@@ -183,8 +186,7 @@ def test_bodies_without_a_mask_are_tracked(answers, body_ids, from_mask):
     """In the answers, the bodies exchange their numbers now and then."""
     estimator = TemporalEstimator(Script(answers), replace(EVERYBODY, body_ids=body_ids))
     found = [
-        estimator.estimate(START + n * FRAME, None, None, None, from_mask=from_mask)
-        for n in range(30)
+        estimator.estimate(START + n * FRAME, *IMAGES, from_mask=from_mask) for n in range(30)
     ]
     left = [np.nanmean(each.positions[each.bodies == 1][..., 0]) < 1 for each in found]
     tracked = body_ids == TRACKED or (body_ids == AUTO and not from_mask)
@@ -230,3 +232,62 @@ def test_hidden_joints_can_have_no_position():
     np.testing.assert_array_equal(np.isnan(found.positions).all(axis=-1), hidden)
     np.testing.assert_array_equal(found.positions[~hidden], answer.positions[~hidden])
     np.testing.assert_array_equal(found.confidence, np.where(hidden, 0, answer.confidence))
+
+
+class Looking:
+    """An estimator whose bodies stand upright in the middle of what is visible of them."""
+
+    def __init__(self):
+        self.bodies = []
+
+    def estimate_largest(self, depth, labels, camera, _observer, _memory=None):
+        bodies = np.unique(labels[labels >= 0]).astype(np.uint16)
+        self.bodies.append(bodies.tolist())
+        height = np.linspace(-0.8, 0.8, 3)
+        positions = []
+        for body in bodies:
+            rows, columns = np.nonzero(labels == body)
+            z = depth[rows, columns].mean()
+            x = (columns.mean() - camera.cx) / camera.fx * z
+            positions.append([[x, y, z] for y in height])
+        joints = numbers_of(['head', 'torso', 'pelvis'])
+        skeletons = Skeletons(
+            bodies, joints, np.array(positions, np.float32), np.ones((len(bodies), 3), np.float32)
+        )
+        return skeletons, 0
+
+
+def half_hidden(hidden, number=4):
+    """Return the images of a body that stands 3 m away; a bar hides it in the middle."""
+    depth, labels = np.zeros((120, 60), np.float32), np.full((120, 60), NO_BODY, np.int32)
+    depth[20:101, 24:34], labels[20:101, 24:34] = 3, number
+    if hidden:
+        depth[60:72], labels[60:72] = 2, NO_BODY
+        labels[72:101, 24:34] = 2
+    return depth, labels, Intrinsics(120.0, 120.0, 30.0, 60.0)
+
+
+@pytest.mark.parametrize('body_ids', [TRACKED, MASK])
+def test_a_piece_of_a_body_is_no_new_person(body_ids):
+    """The piece has a lower number than the rest of the body, so it comes first."""
+    looking = Looking()
+    settings = replace(EVERYBODY, body_ids=body_ids)
+    sequence = TemporalEstimator(cast('Any', looking), settings)
+    found = [
+        sequence.estimate(START + n * FRAME, *half_hidden(4 <= n < 20)).bodies.tolist()
+        for n in range(24)
+    ]
+    if body_ids == TRACKED:
+        assert found == [[4]] * 24
+        assert looking.bodies == [[4]] * 24
+    else:
+        assert found[4] == looking.bodies[4] == [2, 4]
+
+
+def test_a_segmentation_that_restarts_its_numbers_changes_none():
+    sequence = TemporalEstimator(cast('Any', Looking()), replace(EVERYBODY, body_ids=TRACKED))
+    found = [
+        sequence.estimate(START + n * FRAME, *half_hidden(hidden=False, number=1 + n % 5))
+        for n in range(30)
+    ]
+    assert [each.bodies.tolist() for each in found] == [[1]] * 30

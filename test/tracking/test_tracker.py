@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.tracking.tracker import GATE, MEMORY_NS, Tracker, body_distance
+from lsc_pose_ros.tracking.tracker import MEMORY_NS, Tracker, body_distance
 
 FRAME = 33_000_000
 START = 1_700_000_000 * 10**9
@@ -105,8 +105,8 @@ def test_numbers_are_free_after_a_long_absence(tracker):
 
 def test_large_jump_is_a_new_body(tracker):
     numbers(tracker, 0, {1: 0.0})
-    assert numbers(tracker, 1, {1: GATE + 0.05}) == {2: GATE + 0.05}
-    assert numbers(tracker, 2, {1: 0.05}) == {1: 0.05}
+    assert numbers(tracker, 1, {1: 0.6}) == {2: 0.6}
+    assert numbers(tracker, 2, {1: 0.05, 2: 0.6}) == {1: 0.05, 2: 0.6}
 
 
 def test_new_body_gets_an_unused_number(tracker):
@@ -116,9 +116,13 @@ def test_new_body_gets_an_unused_number(tracker):
     assert numbers(tracker, 2, {1: 2.0, 2: 0.0, 3: -2.0}) == {1: 0.0, 3: 2.0, 4: -2.0}
 
 
-def test_nearest_pair_is_matched_first(tracker):
-    numbers(tracker, 0, {1: 0.0, 2: 0.4})
-    assert numbers(tracker, 1, {1: 0.35, 2: 0.75}) == {2: 0.35, 3: 0.75}
+def test_the_bodies_are_assigned_together(tracker):
+    """The first is nearer to where the second was than the second is; yet both have moved."""
+    numbers(tracker, 0, {1: 0.0, 2: 0.3})
+    assert numbers(tracker, 1, {1: 0.28, 2: 0.5}) == {1: 0.28, 2: 0.5}
+    # So large a step is less likely than somebody new.
+    numbers(tracker, 100, {1: 0.0, 2: 0.4})
+    assert numbers(tracker, 101, {1: 0.38, 2: 0.9}) == {2: 0.38, 3: 0.9}
 
 
 def test_body_without_joints_is_matched_by_the_mask(tracker):
