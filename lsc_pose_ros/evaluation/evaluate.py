@@ -16,7 +16,7 @@
 """The accuracy of a model: the errors of its joints on labelled frames (paper, section 4.4)."""
 
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -102,10 +102,19 @@ class Summary(NamedTuple):
     joints: dict[str, JointScore]
 
 
-def evaluate(estimator: JointEstimator, frames: Iterable[Frame]) -> Evaluation:
+def evaluate(
+    estimator: JointEstimator,
+    frames: Iterable[Frame],
+    observe: Callable[[Frame, Skeletons], None] | None = None,
+) -> Evaluation:
     """Return the errors of `estimator` on each labelled person of `frames`.
 
     Estimate and ground truth of a person have the same number in the mask.
+
+    Args:
+        estimator: estimates each frame alone.
+        frames: the labelled frames.
+        observe: called with each frame and its estimate.
 
     Raises:
         InputError: no frame is labelled, or no mask shows anybody.
@@ -123,6 +132,8 @@ def evaluate(estimator: JointEstimator, frames: Iterable[Frame]) -> Evaluation:
         skeletons = estimator.estimate(frame.depth, frame.labels, frame.camera)
         seconds.append(time.perf_counter() - begin)
         estimated_bodies += len(skeletons.bodies)
+        if observe is not None:
+            observe(frame, skeletons)
         if frame.ground_truth is not None and len(frame.ground_truth.bodies):
             errors.append(joint_errors(skeletons, frame.ground_truth))
             confidence.append(joint_confidence(skeletons, frame.ground_truth))

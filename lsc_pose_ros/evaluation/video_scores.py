@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.tracking.assignment import assign
 from lsc_pose_ros.tracking.tracker import body_distance
 from lsc_pose_ros.training.samples import select_joints
 
@@ -35,6 +36,16 @@ REST_SPEED = 0.1
 
 LONGEST_STEP_NS = 150_000_000
 """Frames that are farther apart do not follow each other, nanoseconds."""
+
+FASTEST_PERSON = 10.0
+"""Nobody is faster: a larger movement is a cut, after which there are other people, metres per
+second."""
+
+SHORTEST_STEP = 0.01
+"""Stamps that are closer are taken for so far apart, seconds."""
+
+LONGEST_ABSENCE_NS = 1_000_000_000
+"""After a longer absence a person may have another number, nanoseconds."""
 
 MOST_LAG = 5
 """The largest lag that is looked for, frames."""
@@ -69,7 +80,8 @@ class VideoScores(NamedTuple):
             ground truth correlate most, interpolated.
         turned_round: the fraction of the estimates with front and back exchanged.
         turns: how often an estimate changes between right and exchanged.
-        id_switches_per_minute: how often a person gets another number, for one minute of video.
+        id_switches_per_minute: how often a person gets another number, for one minute of video. A
+            cut of the video, and an absence of more than a second, begin a new person.
     """
 
     people: int
@@ -84,7 +96,7 @@ class VideoScores(NamedTuple):
 
 
 class _Track(NamedTuple):
-    """One person in n frames; the arrays have a row for each of them.
+    """One person in n frames without a cut; the arrays have a row for each of them.
 
     Attributes:
         stamps: nanoseconds, shape (n,).
@@ -102,7 +114,7 @@ class _Track(NamedTuple):
 def score_video(frames: Sequence[VideoFrame], tolerance: float) -> VideoScores:
     """Return how steady the joints of successive frames are.
 
-    Each person is compared with the nearest body in each frame.
+    People are compared with the bodies that are nearest to them, each body with one person.
 
     Args:
         frames: at least one with a person, in the order of time.
@@ -146,21 +158,47 @@ def _tracks(frames: Sequence[VideoFrame], joints: NDArray[np.uint16]) -> list[_T
     rows: dict[int, list[tuple[int, int, NDArray[np.float32], NDArray[np.float32]]]] = {}
     for frame in frames:
         truths = select_joints(frame.truth, joints)
-        for person, truth in zip(frame.truth.bodies.tolist(), truths, strict=True):
-            number, estimate = _nearest(frame.estimate, truth)
+        rows_of = _nearest(frame.estimate.positions, truths)
+        for n, (person, truth) in enumerate(zip(frame.truth.bodies.tolist(), truths, strict=True)):
+            number, estimate = -1, np.full_like(truth, np.nan)
+            if n in rows_of:
+                number = int(frame.estimate.bodies[rows_of[n]])
+                estimate = frame.estimate.positions[rows_of[n]]
             rows.setdefault(person, []).append((frame.stamp, number, estimate, truth))
     return [
-        _Track(*(np.array(column) for column in zip(*track, strict=True)))
+        part
         for track in rows.values()
+        for part in _parts(_Track(*(np.array(column) for column in zip(*track, strict=True))))
     ]
 
 
-def _nearest(estimate: Skeletons, truth: NDArray[np.float32]) -> tuple[int, NDArray[np.float32]]:
-    distances = [body_distance(joints, truth) for joints in estimate.positions]
-    if not distances or min(distances) > LARGEST_DISTANCE:
-        return -1, np.full_like(truth, np.nan)
-    row = int(np.argmin(distances))
-    return int(estimate.bodies[row]), estimate.positions[row]
+def _parts(track: _Track) -> list[_Track]:
+    """Return the parts of a track between the cuts of the video."""
+    seconds = np.diff(track.stamps) * 1e-9
+    moved = np.linalg.norm(np.diff(track.truth, axis=0), axis=2)
+    known = np.isfinite(moved).any(axis=1)
+    typical = np.full(len(moved), np.nan)
+    typical[known] = np.nanmedian(moved[known], axis=1)
+    cuts = 1 + np.flatnonzero(
+        (typical > FASTEST_PERSON * np.maximum(seconds, SHORTEST_STEP)) | (seconds < 0)
+    )
+    columns = [np.split(column, cuts) for column in track]
+    return [_Track(*part) for part in zip(*columns, strict=True)]
+
+
+def _nearest(estimates: NDArray[np.float32], truths: NDArray[np.float32]) -> dict[int, int]:
+    """Return the estimate of each person of the ground truth that has one.
+
+    Each estimate is one person's. The sum of the distances is least.
+
+    Args:
+        estimates: metres, shape (B, J, 3).
+        truths: metres, shape (P, J, 3).
+    """
+    distances = np.array(
+        [[body_distance(estimate, truth) for estimate in estimates] for truth in truths]
+    ).reshape(len(truths), len(estimates))
+    return dict(assign(distances, LARGEST_DISTANCE))
 
 
 def _follows(track: _Track) -> NDArray[np.bool_]:
@@ -207,7 +245,11 @@ def _correlation(tracks: list[_Track], lag: int) -> float:
         return float('nan')
     true, found = (np.concatenate(each) for each in zip(*pairs, strict=True))
     known = np.isfinite(true) & np.isfinite(found)
-    return float(np.corrcoef(true[known], found[known])[0, 1]) if known.sum() > 2 else float('nan')
+    true, found = true[known], found[known]
+    # At a constant speed there is nothing to compare.
+    if len(true) <= 2 or not true.std() or not found.std():
+        return float('nan')
+    return float(np.corrcoef(true, found)[0, 1])
 
 
 def _exchanged(track: _Track, joints: NDArray[np.uint16]) -> NDArray[np.float64]:
@@ -231,4 +273,6 @@ def _changes(values: NDArray[np.floating]) -> int:
 
 def _switches(track: _Track) -> int:
     """Return how often the number changes, frames in which nobody was found left out."""
-    return _changes(track.numbers[track.numbers >= 0].astype(np.float64))
+    found = track.numbers >= 0
+    changed = np.diff(track.numbers[found]) != 0
+    return int((changed & (np.diff(track.stamps[found]) <= LONGEST_ABSENCE_NS)).sum())

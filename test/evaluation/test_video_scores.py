@@ -111,3 +111,38 @@ def test_people_who_are_not_found_have_no_joints_within_the_tolerance() -> None:
     assert scores.map == pytest.approx(0.75)
     assert scores.mean_error_m == 0
     assert scores.id_switches_per_minute == 0
+
+
+def test_another_number_after_a_cut_is_no_change() -> None:
+    truth = movement()
+    truth[40:] += [0, 0, 2]  # other people
+    numbers = [1] * 40 + [2] * 40 + [1] * 40
+    scores = score_video(video(truth, truth, numbers), 0.1)
+    assert scores.id_switches_per_minute == pytest.approx(60 / (119 / 30), rel=1e-3)
+    # The movement over the cut is not one of a joint.
+    still = np.repeat(movement()[:1], 3, axis=0)
+    still[1:] += [0, 0, 2]
+    assert score_video(video(still, still, [1, 2, 2]), 0.1).jitter_m == 0
+
+
+@pytest.mark.parametrize(('absent', 'changes'), [(20, 1), (40, 0)])
+def test_another_number_after_a_long_absence_is_no_change(absent: int, changes: int) -> None:
+    truth = movement()
+    estimates = truth.copy()
+    estimates[40 : 40 + absent] += 3
+    numbers = [1] * 40 + [2] * 80
+    scores = score_video(video(estimates, truth, numbers), 0.1)
+    assert scores.id_switches_per_minute == pytest.approx(changes * 60 / (119 / 30), rel=1e-3)
+
+
+def test_a_body_is_compared_with_one_person() -> None:
+    """Two people stand close together, and only one of them is found in the second frame."""
+    first = movement()[0]
+    second = first + np.array([0.3, 0, 0])
+    both = skeletons(np.array([first, second]), [1, 2])
+    alone = skeletons(first[None], [1])
+    frames = [VideoFrame(0, both, both), VideoFrame(FRAME_NS, alone, both)]
+    scores = score_video(frames, 0.1)
+    assert scores.people == 4
+    assert scores.map == pytest.approx(0.75)
+    assert scores.id_switches_per_minute == 0

@@ -16,6 +16,7 @@
 """`lsc_pose evaluate`: how good a model is on labelled recordings."""
 
 import argparse
+from collections.abc import Callable
 from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -35,11 +36,21 @@ from lsc_pose_ros.cli.output.evaluation_results import (
     evaluation_table,
 )
 from lsc_pose_ros.cli.output.json_file import write_json
-from lsc_pose_ros.cli.output.video_results import estimate_video, video_results, video_table
+from lsc_pose_ros.cli.output.video_results import (
+    OVER_TIME,
+    SINGLY,
+    SingleFrames,
+    estimate_over_time,
+    video_results,
+    video_table,
+)
+from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import numbers_of
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, select, summarise
 from lsc_pose_ros.evaluation.offsets import fit_offsets
+from lsc_pose_ros.evaluation.video_scores import VideoFrame
 from lsc_pose_ros.files.kinds import HTML, JSON
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.pose.estimator import Estimator
@@ -129,7 +140,8 @@ def run(arguments: argparse.Namespace) -> int:
         return _compare(arguments, models, readers, others)
     measured = _evaluate(arguments, models[0], readers, others)
     if arguments.video:
-        video = estimate_video(measured.estimator, readers)
+        over_time = estimate_over_time(measured.estimator, readers)
+        video = {SINGLY: measured.frames, OVER_TIME: over_time}
         measured.results['video'] = video_results(video, arguments.tolerance)
     print(evaluation_table(measured.results))
     if arguments.video:
@@ -165,11 +177,12 @@ def _check_outputs(arguments: argparse.Namespace, inputs: list[Path]) -> None:
 
 
 class _Measured(NamedTuple):
-    """A model, its evaluation, and the results by name."""
+    """A model, its evaluation, the results by name, and the frames of a video."""
 
     estimator: Estimator
     output: EvaluationOutput
     results: dict[str, Any]
+    frames: list[VideoFrame]
 
 
 def _evaluate(
@@ -179,11 +192,14 @@ def _evaluate(
     others: list[FrameReader],
 ) -> _Measured:
     estimator = estimator_from(arguments, model)
-    output = _measure(arguments, estimator, readers, others)
+    video = SingleFrames(estimator)
+    observe = video.add if arguments.video else None
+    output = _measure(arguments, estimator, readers, others, observe)
     recordings = [reader.path for reader in readers]
     offsets_from = arguments.offsets_from or []
     inputs = EvaluationInputs(model, recordings, offsets_from, arguments.tolerance)
-    return _Measured(estimator, output, evaluation_results(inputs, estimator, output))
+    results = evaluation_results(inputs, estimator, output)
+    return _Measured(estimator, output, results, video.frames)
 
 
 def _compare(
@@ -248,6 +264,7 @@ def _measure(
     estimator: Estimator,
     readers: list[FrameReader],
     others: list[FrameReader],
+    observe: Callable[[Frame, Skeletons], None] | None,
 ) -> EvaluationOutput:
     """Evaluate on `readers`, with offsets fitted on `others` if there are any."""
     wanted = numbers_of(arguments.joints) if arguments.joints else estimator.joints
@@ -255,5 +272,5 @@ def _measure(
     if others:
         fitted = select(evaluate(estimator, read_frames(others, 'fitting offsets')), wanted)
         offsets = fit_offsets(fitted)
-    evaluation = select(evaluate(estimator, read_frames(readers, 'evaluating')), wanted)
+    evaluation = select(evaluate(estimator, read_frames(readers, 'evaluating'), observe), wanted)
     return EvaluationOutput(evaluation, summarise(evaluation, arguments.tolerance), offsets)

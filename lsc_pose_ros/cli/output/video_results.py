@@ -21,58 +21,70 @@ from typing import Any
 
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import read_frames
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.image_arguments import check_images
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
 from lsc_pose_ros.evaluation.video_scores import VideoFrame, score_video
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.settings.table import TRACKED, TemporalSettings
+from lsc_pose_ros.tracking.surfaces import surfaces_of
 
-_WAYS = {'frame by frame': False, 'over time': True}
+SINGLY, OVER_TIME = 'frame by frame', 'over time'
+"""The ways of estimating a video."""
 
 
-def estimate_video(
-    estimator: Estimator, readers: Sequence[FrameReader]
-) -> dict[str, list[VideoFrame]]:
-    """Return the frames of recordings, estimated one by one and over time.
+class SingleFrames:
+    """Keeps the estimates of single frames, with the numbers of tracked bodies.
+
+    Attributes:
+        frames: those with ground truth.
+    """
+
+    def __init__(self, estimator: Estimator) -> None:
+        """Start without frames."""
+        self.frames: list[VideoFrame] = []
+        self._sequence = _sequence(estimator, temporal=False)
+
+    def add(self, frame: Frame, skeletons: Skeletons) -> None:
+        """Keep the estimate of the next frame."""
+        if frame.ground_truth is None:
+            return
+        surfaces = surfaces_of(check_images(frame.depth, frame.labels, frame.camera))
+        tracked = self._sequence.follow(frame.stamp, skeletons, surfaces)
+        self.frames.append(VideoFrame(frame.stamp, tracked, frame.ground_truth))
+
+
+def estimate_over_time(estimator: Estimator, readers: Sequence[FrameReader]) -> list[VideoFrame]:
+    """Return the labelled frames of recordings, estimated over time.
 
     Bodies are tracked, and none is left out for its confidence or stature.
 
     Args:
         estimator: the estimator of each frame.
         readers: the recordings.
-
-    Raises:
-        InputError: no frame is labelled.
     """
-    ways = {name: _estimate(estimator, readers, temporal) for name, temporal in _WAYS.items()}
-    if not any(len(frame.truth.bodies) for frames in ways.values() for frame in frames):
-        msg = 'no frame has a labelled person; --video needs a recording with ground truth'
-        raise InputError(msg)
-    return ways
-
-
-def _estimate(
-    estimator: Estimator,
-    readers: Sequence[FrameReader],
-    temporal: bool,  # noqa: FBT001
-) -> list[VideoFrame]:
-    settings = TemporalSettings(
-        body_ids=TRACKED, minimum_body_confidence=0.0, minimum_stature=0.0, temporal=temporal
-    )
-    sequence = TemporalEstimator(estimator, settings)
+    sequence = _sequence(estimator, temporal=True)
     return [
         VideoFrame(
             frame.stamp,
             sequence.estimate(frame.stamp, frame.depth, frame.labels, frame.camera),
             frame.ground_truth,
         )
-        for frame in read_frames(readers, 'video over time' if temporal else 'video')
+        for frame in read_frames(readers, 'video over time')
         if frame.ground_truth is not None
     ]
 
 
+def _sequence(estimator: Estimator, *, temporal: bool) -> TemporalEstimator:
+    settings = TemporalSettings(
+        body_ids=TRACKED, minimum_body_confidence=0.0, minimum_stature=0.0, temporal=temporal
+    )
+    return TemporalEstimator(estimator, settings)
+
+
 def video_results(ways: dict[str, list[VideoFrame]], tolerance: float) -> dict[str, Any]:
-    """Return the scores of `estimate_video` by way of the estimation, for --json.
+    """Return the scores of a video by way of the estimation, for --json.
 
     Args:
         ways: the frames.
