@@ -17,7 +17,6 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import linear_sum_assignment
 
 from lsc_pose_ros.tracking.assignment import assign
 
@@ -55,8 +54,9 @@ def test_no_other_assignment_costs_less(seed: int) -> None:
 
 @pytest.mark.parametrize('shape', [(40, 50), (50, 40), (30, 30)])
 def test_many_things_are_assigned_as_by_scipy(shape: tuple[int, int]) -> None:
+    optimize = pytest.importorskip('scipy.optimize', reason='SciPy is not installed')
     costs = np.random.default_rng(sum(shape)).normal(size=shape)
-    rows, columns = linear_sum_assignment(costs)
+    rows, columns = optimize.linear_sum_assignment(costs)
     assert assign(costs, 1e6) == list(zip(rows.tolist(), columns.tolist(), strict=True))
 
 
