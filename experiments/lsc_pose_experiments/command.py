@@ -32,6 +32,7 @@ from lsc_pose_experiments.protocol import PROTOCOLS, DataSelection, folds_of
 from lsc_pose_experiments.publishing import Publisher
 from lsc_pose_experiments.running import TrialContext, run_trials
 from lsc_pose_experiments.trial import ResultStore
+from lsc_pose_ros import __version__
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import open_recordings, read_frames
 from lsc_pose_ros.cli.options.numbers import positive_float, positive_int
@@ -43,6 +44,7 @@ from lsc_pose_ros.files.kinds import HTML, JSON
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.training.train import GIBIBYTE
 from lsc_pose_ros.viz.drawing.canvas import make_directory
+from lsc_pose_ros.viz.report.page_parts import origin_of
 
 HELP = "measure the paper's tables and figures on recordings"
 
@@ -147,8 +149,13 @@ def run(arguments: argparse.Namespace) -> int:
         return read_frames([readers[path]], f'sampling {path.name}')
 
     context = TrialContext(selection, ResultStore(arguments.output / 'trials'), read, _progress)
-    page = Page(_facts(arguments, defaults, selection), _QUICK if arguments.quick else '',
-                _command(arguments), [])  # fmt: skip
+    page = Page(
+        _facts(arguments, defaults, selection),
+        origin_of(__version__),
+        _QUICK if arguments.quick else '',
+        _command(arguments),
+        [],
+    )
     wanted = arguments.only or list(experiments)
     publisher = Publisher(arguments.output, page, list(experiments.values()), wanted)
     trials = [

@@ -16,6 +16,7 @@
 """Draws the figures: curves, or dots for each joint; numbers of the paper are hollow."""
 
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,90 +25,127 @@ from matplotlib.lines import Line2D
 
 from lsc_pose_experiments.experiment import MEAN, SIZES, Experiment, Row, points_of
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
-from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure
-from lsc_pose_ros.viz.drawing.colours import BORDER, CURVES
+from lsc_pose_ros.viz.drawing.canvas import CHART_WIDTH, house_style, new_figure
+from lsc_pose_ros.viz.drawing.colours import ALL_JOINTS, BORDER, CURVES, PARTS, curve_look
 from lsc_pose_ros.viz.drawing.legend import add_legend_entries
+from lsc_pose_ros.viz.drawing.svg import Chart
+from lsc_pose_ros.viz.report.plots import curve_entry
 
+# The curves; the paper draws the mean of all joints.
+_CURVES = {MEAN if part == ALL_JOINTS else part: look for part, look in PARTS.items()}
 _MARKERS = 'osD^v'
-# The curves and their dashes; the paper draws the mean of all joints.
-_PARTS: dict[str, tuple[float, ...]] = {
-    MEAN: (),
-    'elbows': (5, 1.5),
-    'wrists': (2, 1.2),
-    'hands': (6, 1.5, 1.5, 1.5),
-}
 
 _Value = Callable[[Row], float | None]
 
 
+class _Quantity(NamedTuple):
+    """What one of the two panels of a figure shows."""
+
+    title: str
+    value: _Value
+    paper: _Value
+
+
 @house_style()
 def draw_experiment(experiment: Experiment, rows: list[Row]) -> Figure:
-    """Return the figure of `experiment`.
+    """Return the figure of `experiment`: the errors, and beside them the fractions within.
 
     Args:
         experiment: the experiment.
         rows: all its scores.
     """
-    if experiment.axis:
-        figure = new_figure(8.4, 3.6)
-        errors, fractions = figure.subplots(1, 2)
-        rows = points_of(experiment, rows)
-        _draw_curves(errors, rows, _error, _paper_error)
-        _draw_curves(fractions, rows, _fraction, _paper_fraction)
-        for axes in (errors, fractions):
-            axes.set_xlabel(experiment.axis.name)
-            if experiment.axis.logarithmic:
-                axes.set_xscale('log')
-            axes.grid(color=BORDER, linewidth=0.4)
-        _finish(figure, (errors, fractions), experiment, _curve_legend(rows))
-        return figure
-    parts = _parts_of(experiment, rows)
-    figure = new_figure(8.4, 1.2 + 0.21 * len(parts))
-    errors, fractions = figure.subplots(1, 2, sharey=True)
-    _draw_dots(errors, rows, parts, (_error, _paper_error))
-    _draw_dots(fractions, rows, parts, (_fraction, _paper_fraction))
-    errors.set_yticks(range(len(parts)), parts)
-    errors.set_ylim(len(parts) - 0.4, -0.6)
-    _finish(figure, (errors, fractions), experiment, _dot_legend(rows))
+    height = 3.6 if experiment.axis else 1.2 + 0.21 * len(_parts_of(experiment, rows))
+    figure = new_figure(8.4, height)
+    pair = figure.subplots(1, 2, sharey=experiment.axis is None)
+    for axes, quantity in zip(pair, _quantities(experiment), strict=True):
+        _draw_panel(axes, experiment, rows, quantity)
+    add_legend_entries(figure, experiment_entries(experiment, rows))
     return figure
 
 
-def _finish(
-    figure: Figure, pair: tuple[Axes, Axes], experiment: Experiment, legend: list[Line2D]
-) -> None:
-    pair[0].set_title('mean error, cm')
-    pair[1].set_title(f'within {100 * experiment.tolerance:g} cm, %')
-    add_legend_entries(figure, legend)
+@house_style()
+def experiment_charts(experiment: Experiment, rows: list[Row]) -> list[Chart]:
+    """Return the panels of `draw_experiment` as charts of a page."""
+    height = 2.8 if experiment.axis else 0.9 + 0.24 * len(_parts_of(experiment, rows))
+    charts: list[Chart] = []
+    for quantity in _quantities(experiment):
+        figure = new_figure(CHART_WIDTH, height)
+        _draw_panel(figure.subplots(), experiment, rows, quantity)
+        charts.append(Chart(figure, _seen(experiment, rows, quantity)))
+    return charts
 
 
-def _draw_curves(axes: Axes, rows: list[Row], value: _Value, paper: _Value) -> None:
-    for (part, dashes), colour in zip(_PARTS.items(), CURVES, strict=False):
+def experiment_entries(experiment: Experiment, rows: list[Row]) -> list[Line2D]:
+    """Return the legend of both panels."""
+    return _curve_entries(rows) if experiment.axis else _dot_entries(rows)
+
+
+def _quantities(experiment: Experiment) -> tuple[_Quantity, _Quantity]:
+    within = f'within {100 * experiment.tolerance:g} cm, %'
+    return (
+        _Quantity('mean error, cm', _error, _paper_error),
+        _Quantity(within, _fraction, _paper_fraction),
+    )
+
+
+def _seen(experiment: Experiment, rows: list[Row], quantity: _Quantity) -> str:
+    """Return the alternative text of a panel: the number of each variant for all joints."""
+    means = [row for row in rows if row.part == MEAN]
+    words = [
+        row.variant
+        + ''.join(
+            f' {100 * value:.1f}{source}'
+            for value, source in ((quantity.value(row), ''), (quantity.paper(row), ' (paper)'))
+            if value is not None
+        )
+        for row in means
+        if quantity.value(row) is not None or quantity.paper(row) is not None
+    ]
+    kind = 'Curves' if experiment.axis else 'Dots for each joint'
+    return f'{kind}: {quantity.title}. All joints: {", ".join(words)}.'
+
+
+def _draw_panel(axes: Axes, experiment: Experiment, rows: list[Row], quantity: _Quantity) -> None:
+    axes.set_title(quantity.title)
+    if experiment.axis:
+        _draw_curves(axes, points_of(experiment, rows), quantity)
+        axes.set_xlabel(experiment.axis.name)
+        if experiment.axis.logarithmic:
+            axes.set_xscale('log')
+        axes.grid(color=BORDER, linewidth=0.4)
+        return
+    parts = _parts_of(experiment, rows)
+    _draw_dots(axes, rows, parts, quantity)
+    axes.set_yticks(range(len(parts)), parts)
+    axes.set_ylim(len(parts) - 0.4, -0.6)
+
+
+def _draw_curves(axes: Axes, rows: list[Row], quantity: _Quantity) -> None:
+    for part, look in _CURVES.items():
         mine = [row for row in rows if row.part == part]
         axes.plot(
             [row.x for row in mine],
-            _numbers(mine, value),
-            dashes=dashes,
-            color=colour,
+            _numbers(mine, quantity.value),
+            dashes=look.dashes,
+            color=look.colour,
             marker='o',
             markersize=3,
         )
-    known = [row for row in rows if paper(row) is not None]
+    known = [row for row in rows if quantity.paper(row) is not None]
     axes.plot(
-        [row.x for row in known], _numbers(known, paper), linestyle='', marker='o', markersize=7,
-        markerfacecolor='none', color=CURVES[0],
+        [row.x for row in known], _numbers(known, quantity.paper), linestyle='', marker='o',
+        markersize=7, markerfacecolor='none', color=CURVES[0],
     )  # fmt: skip
 
 
-def _draw_dots(
-    axes: Axes, rows: list[Row], parts: list[str], values: tuple[_Value, _Value]
-) -> None:
+def _draw_dots(axes: Axes, rows: list[Row], parts: list[str], quantity: _Quantity) -> None:
     for place in range(len(parts)):
         axes.axhline(place, color=BORDER, linewidth=0.4)
     labels = _labels(rows)
     rows = [row for row in rows if row.part in parts]
     for number, label in enumerate(labels):
-        colour, marker = CURVES[number % len(CURVES)], _MARKERS[number % len(_MARKERS)]
-        for value, face in zip(values, (colour, 'none'), strict=True):
+        colour, marker = curve_look(number).colour, _MARKERS[number % len(_MARKERS)]
+        for value, face in ((quantity.value, colour), (quantity.paper, 'none')):
             mine = [row for row in rows if row.variant == label and value(row) is not None]
             shift = 0.12 * (number - 0.5 * (len(labels) - 1))
             axes.plot(
@@ -132,22 +170,23 @@ def _labels(rows: list[Row]) -> list[str]:
     return list(dict.fromkeys(row.variant for row in rows))
 
 
-def _curve_legend(rows: list[Row]) -> list[Line2D]:
+def _curve_entries(rows: list[Row]) -> list[Line2D]:
+    named = {row.part for row in rows}
     lines = [
-        Line2D([], [], color=colour, dashes=dashes, label='all joints' if p == MEAN else p)
-        for (p, dashes), colour in zip(_PARTS.items(), CURVES, strict=False)
-        if any(row.part == p for row in rows)
+        curve_entry(look, ALL_JOINTS if part == MEAN else part)
+        for part, look in _CURVES.items()
+        if part in named
     ]
     return [*lines, _paper_entry()]
 
 
-def _dot_legend(rows: list[Row]) -> list[Line2D]:
+def _dot_entries(rows: list[Row]) -> list[Line2D]:
     dots = [
         Line2D(
-            [], [], color=CURVES[n % len(CURVES)], marker=_MARKERS[n % len(_MARKERS)],
+            [], [], color=curve_look(number).colour, marker=_MARKERS[number % len(_MARKERS)],
             linestyle='', markersize=4, label=label,
         )
-        for n, label in enumerate(_labels(rows))
+        for number, label in enumerate(_labels(rows))
     ]  # fmt: skip
     return [*dots, _paper_entry()]
 

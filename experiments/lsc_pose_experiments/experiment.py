@@ -15,6 +15,8 @@
 
 """A table or figure of the paper as data: variants, claims, and results as rows."""
 
+import csv
+import io
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -162,6 +164,15 @@ def _rows(variant: Variant, result: TrialResult | None, tolerance: float) -> lis
         )
         for part in parts
     ]
+
+
+def csv_of(rows: Sequence[Row]) -> str:
+    """Return `rows` as CSV with a header line; unknown values are empty."""
+    text = io.StringIO(newline='')
+    writer = csv.writer(text, lineterminator='\n')
+    writer.writerow(Row._fields)
+    writer.writerows(rows)
+    return text.getvalue()
 
 
 def part_scores(result: TrialResult, tolerance: float) -> dict[str, tuple[int, Accuracy]]:

@@ -15,10 +15,13 @@
 
 """The HTML page with the measured numbers beside those of the paper."""
 
+import base64
 from html import escape
 from typing import NamedTuple
 
-from lsc_pose_experiments.experiment import MEAN, Experiment, Row, Verdict
+from lsc_pose_experiments.drawing import experiment_charts, experiment_entries
+from lsc_pose_experiments.experiment import MEAN, Experiment, Row, Verdict, csv_of
+from lsc_pose_ros.viz.report.page_parts import charts, facts_list, html_page, table
 
 PAGE_NAME = 'index.html'
 NOT_IN_TEXT = 'not in the text'
@@ -39,65 +42,33 @@ class Page(NamedTuple):
 
     Attributes:
         facts: properties of the measurement, by name.
+        origin: when and by what the page is made.
         warning: text at the top; '' for none.
         command: the command line that measures missing experiments, without --only.
         sections: all experiments, in the order of the paper.
     """
 
     facts: dict[str, str]
+    origin: str
     warning: str
     command: str
     sections: list[Section]
 
 
 def write_page(page: Page) -> str:
-    """Return the page as HTML; it refers to the figures in the same folder."""
+    """Return the page as HTML, which needs no other file."""
     warning = f'<p class="warning">{escape(page.warning)}</p>' if page.warning else ''
-    facts = ''.join(
-        f'<dt>{escape(name)}</dt><dd>{escape(value)}</dd>' for name, value in page.facts.items()
-    )
     sections = '\n'.join(_section(section, page.command) for section in page.sections)
-    return f"""\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>The paper's experiments</title>
-<style>{_STYLE}</style>
-</head>
-<body>
-<h1>The paper's experiments on these recordings</h1>
+    body = f"""\
 <p>He, Wang, Liao, Xue: <em>Depth-images-based pose estimation using regression forests and
 graphical models</em>, Neurocomputing 164 (2015). Its data sets THU and Stanford are not public, so
 its tables and figures are measured on other recordings. Numbers that the paper shows only in a
 figure are “{NOT_IN_TEXT}”.</p>
 {warning}
-<dl>{facts}</dl>
+{facts_list(page.facts)}
 {_overview(page.sections)}
-{sections}
-</body>
-</html>
-"""
-
-
-_STYLE = """
-:root { color-scheme: light }
-body { font: 16px/1.5 system-ui, sans-serif; color: #1a1a1a; background: #fff;
-  max-width: 68rem; margin: 2rem auto; padding: 0 1rem }
-h1 { font-size: 1.6rem } h2 { font-size: 1.2rem; margin-top: 2.5rem }
-img { max-width: 100%; height: auto; display: block }
-table { border-collapse: collapse; font-variant-numeric: tabular-nums; margin: 1rem 0 }
-th, td { padding: .15rem 1.2rem .15rem 0; text-align: right; border-bottom: 1px solid #ddd;
-  vertical-align: top }
-th:first-child, td:first-child, .words td, .words th { text-align: left }
-td.paper { color: #555 }
-.answer { white-space: nowrap }
-.warning { border: 1px solid #d55e00; padding: .5rem 1rem }
-.missing { color: #555 }
-dl { display: grid; grid-template-columns: max-content auto; gap: .2rem 1.5rem }
-dt { color: #555 } dd { margin: 0; overflow-wrap: anywhere }
-"""
+{sections}"""
+    return html_page("The paper's experiments on these recordings", body, page.origin)
 
 
 def _overview(sections: list[Section]) -> str:
@@ -128,15 +99,26 @@ def _section(section: Section, command: str) -> str:
     if not section.rows:
         words = f'{command} --only {experiment.name}'
         return (
-            f'{head}<p class="missing">Not measured yet: <code>{escape(words)}</code></p>\n'
+            f'{head}<p class="muted">Not measured yet: <code>{escape(words)}</code></p>\n'
             '</section>'
         )
+    pictures = charts(
+        experiment_charts(experiment, section.rows),
+        f'{_CAPTION} {_AXIS_CAPTION if experiment.axis else _DOTS_CAPTION}',
+        experiment_entries(experiment, section.rows),
+    )
+    data = base64.b64encode(csv_of(section.rows).encode()).decode()
+    name = f'{experiment.name}.csv'
     return (
-        f'{head}{_claims(section)}\n{_table(section)}\n'
-        f'<img src="{experiment.name}.png" alt="{escape(experiment.title)}">\n'
-        f'<p>All numbers: <a href="{experiment.name}.csv">{experiment.name}.csv</a></p>\n'
+        f'{head}{_claims(section)}\n{_table(section)}\n{pictures}\n'
+        f'<p>All numbers: <a download="{name}" href="data:text/csv;base64,{data}">{name}</a></p>\n'
         '</section>'
     )
+
+
+_CAPTION = 'The mean error, the lower the better, and the fraction within, the higher the better.'
+_AXIS_CAPTION = 'Hollow circles are numbers of the paper for all joints.'
+_DOTS_CAPTION = 'A row for each part of the body; hollow marks are numbers of the paper.'
 
 
 def _claims(section: Section) -> str:
@@ -156,12 +138,11 @@ def _table(section: Section) -> str:
     shown = (MEAN, *section.experiment.parts)
     tolerance = f'{100 * section.experiment.tolerance:g} cm'
     rows = ''.join(_row(row) for row in section.rows if row.part in shown)
-    return (
-        '<table>\n<thead><tr><th>variant</th><th>part</th><th>training frames</th>'
-        '<th>error, cm</th><th>paper</th>'
-        f'<th>within {tolerance}, %</th><th>paper</th><th>ms per frame</th></tr></thead>\n'
-        f'<tbody>\n{rows}</tbody>\n</table>'
-    )
+    head = (
+        'variant', 'part', 'training frames', 'error, cm', 'paper', f'within {tolerance}, %',
+        'paper', 'ms per frame',
+    )  # fmt: skip
+    return table(f'Scores of {section.experiment.title}', head, rows)
 
 
 def _row(row: Row) -> str:
@@ -170,9 +151,9 @@ def _row(row: Row) -> str:
         f'<tr><td>{escape(row.variant)}</td><td>{escape(part)}</td>'
         f'<td>{row.training_frames or "-"}</td>'
         f'<td>{_number(row.mean_error_m, "-")}</td>'
-        f'<td class="paper">{_number(row.paper_mean_error_m, NOT_IN_TEXT)}</td>'
+        f'<td class="muted">{_number(row.paper_mean_error_m, NOT_IN_TEXT)}</td>'
         f'<td>{_number(row.ap, "-")}</td>'
-        f'<td class="paper">{_number(row.paper_ap, NOT_IN_TEXT)}</td>'
+        f'<td class="muted">{_number(row.paper_ap, NOT_IN_TEXT)}</td>'
         f'<td>{"-" if row.frame_ms is None else f"{row.frame_ms:.1f}"}</td></tr>\n'
     )
 

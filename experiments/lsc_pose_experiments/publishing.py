@@ -15,13 +15,11 @@
 
 """Writes the page, and a table and a figure for each experiment."""
 
-import csv
-import io
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from lsc_pose_experiments.drawing import draw_experiment
-from lsc_pose_experiments.experiment import Experiment, Row, TrialResults, rows_of
+from lsc_pose_experiments.experiment import Experiment, TrialResults, csv_of, rows_of
 from lsc_pose_experiments.page import PAGE_NAME, Page, Section, write_page
 from lsc_pose_experiments.running import TrialContext, result_of
 from lsc_pose_ros.files.kinds import HTML, TEXT
@@ -89,12 +87,3 @@ def results_of(context: TrialContext, experiment: Experiment) -> TrialResults | 
     }
     finished = {label: result for label, result in results.items() if result}
     return finished if len(finished) == len(results) else None
-
-
-def csv_of(rows: Sequence[Row]) -> str:
-    """Return `rows` as CSV with a header line; unknown values are empty."""
-    text = io.StringIO(newline='')
-    writer = csv.writer(text, lineterminator='\n')
-    writer.writerow(Row._fields)
-    writer.writerows(rows)
-    return text.getvalue()

@@ -15,6 +15,7 @@
 
 """`lsc_pose experiments`."""
 
+import base64
 import csv
 import json
 import re
@@ -64,13 +65,14 @@ class Tags(HTMLParser):
 
     def __init__(self):
         super().__init__()
-        self.sections, self.links, self.open = [], [], []
+        self.sections, self.links, self.open, self.charts = [], [], [], 0
 
     def handle_starttag(self, tag, attrs):
         given = dict(attrs)
         if tag == 'section':
             self.sections.append(given['id'])
-        self.links += [given[name] for name in ('src', 'href') if name in given]
+        self.links += [given['href']] if tag == 'a' else []
+        self.charts += given.get('role') == 'img'
         if tag not in {'meta', 'img'}:
             self.open.append(tag)
 
@@ -86,16 +88,20 @@ def read_page(folder):
     return text, tags
 
 
-def test_page_has_all_sections_and_their_files(measured):
+def test_page_has_all_sections_and_their_tables(measured):
     folder, _ = measured
     text, tags = read_page(folder)
     assert tags.sections == list(EXPERIMENTS) == NAMES
     assert 'Not measured yet' not in text
     assert 'A quick run' in text
-    for link in tags.links:
-        assert link[1:] in NAMES if link.startswith('#') else (folder / link).is_file()
+    inside = [link for link in tags.links if link.startswith('#')]
+    assert {link[1:] for link in inside} <= set(NAMES)
+    tables = [
+        base64.b64decode(link.rpartition(',')[2]) for link in tags.links if link not in inside
+    ]
+    assert tables == [(folder / f'{name}.csv').read_bytes() for name in NAMES]
+    assert tags.charts == 2 * len(NAMES)
     for name in NAMES:
-        assert f'{name}.csv' in tags.links
         with Image.open(folder / f'{name}.png') as picture:
             picture.load()
             assert min(picture.size) > 100
@@ -114,8 +120,8 @@ def test_page_has_measured_numbers_and_those_of_the_paper(measured):
     for label, paper in (('3DLSC', 98.2), ('DCF', 97.6), ('2DSC', 87.6)):
         ours = f'{100 * found[label]["ap"]:.1f}'
         line = re.search(rf'<td>{label}</td><td>all joints</td>.*', section).group()
-        assert f'<td>{ours}</td><td class="paper">{paper}</td>' in line
-        assert '<td class="paper">not in the text</td>' in line
+        assert f'<td>{ours}</td><td class="muted">{paper}</td>' in line
+        assert '<td class="muted">not in the text</td>' in line
     assert re.search(r'<b>(holds|does not hold|undecided)</b>', section)
 
 

@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from lsc_pose_ros import __version__
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.data_types.camera import Intrinsics
@@ -314,6 +315,9 @@ def test_evaluate_writes_a_report(model, recordings, tmp_path, capsys):
     page = (tmp_path / 'page' / 'index.html').read_text()
     assert 'l_knee' in page
     assert page.count('data:image/png;base64,') >= 4
+    assert page.count('role="img"') == 4
+    assert f'by lsc_pose_ros {__version__}' in page
+    assert 'How the model was made' in page
     assert not re.search(r'(src|href)="?(http|//|file)', page)
 
 
@@ -335,7 +339,7 @@ def test_several_models_are_shown_side_by_side(model, recordings, tmp_path, caps
     assert first['joints'] == second['joints']
     assert first['model'] == str(model)
     text = (page / 'index.html').read_text()
-    assert text.count('<img') == 2
+    assert text.count('role="img"') == 2
     assert f'other/{Path(model).stem}' in text
 
 

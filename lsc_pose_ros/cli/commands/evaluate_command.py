@@ -21,6 +21,7 @@ from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from lsc_pose_ros import __version__
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.input.labelled_frames import open_recordings, read_frames
 from lsc_pose_ros.cli.options.estimation_options import estimator_from
@@ -151,7 +152,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.report:
         # Matplotlib takes half a second to import, which a plain evaluation need not wait for.
         from lsc_pose_ros.cli.output.evaluation_report import (  # noqa: PLC0415
-            draw_video,
+            EvaluatedVideo,
             report_evaluation,
         )
 
@@ -162,10 +163,9 @@ def run(arguments: argparse.Namespace) -> int:
             readers,
             (output.evaluation, output.summary, arguments.tolerance),
             evaluation_facts(measured.results),
+            EvaluatedVideo(video, measured.results['video']) if arguments.video else None,
         )
         print(page)
-        if arguments.video:
-            print(draw_video(arguments.report, video, output.summary))
     return 0
 
 
@@ -223,13 +223,20 @@ def _compare(
             ComparedModel,
             write_comparison,
         )
+        from lsc_pose_ros.viz.report.page_parts import origin_of  # noqa: PLC0415
 
         compared = [
-            ComparedModel(name, each.output.summary, each.output.evaluation)
+            ComparedModel(
+                name,
+                each.output.summary,
+                each.output.evaluation,
+                each.estimator.model.provenance,
+            )
             for name, each in zip(names, measured, strict=True)
         ]
         facts = {'recordings': ', '.join(reader.path.name for reader in readers)}
-        print(write_comparison(arguments.report, compared, arguments.tolerance, facts))
+        origin = origin_of(__version__)
+        print(write_comparison(arguments.report, compared, arguments.tolerance, facts, origin))
     return 0
 
 

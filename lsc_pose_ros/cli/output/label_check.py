@@ -18,6 +18,7 @@
 import argparse
 from pathlib import Path
 
+from lsc_pose_ros import __version__
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.options.numbers import number_between
 from lsc_pose_ros.cli.output.json_file import write_json
@@ -52,13 +53,15 @@ def check_labels(reader: FrameReader, model: str, limits: LabelLimits) -> LabelR
     Raises:
         InputError: the recording or the model cannot be used, or nothing is labelled.
     """
-    estimator = Estimator(load_model(find_model(model)))
+    path = find_model(model)
+    estimator = Estimator(load_model(path))
     usual = UsualLengths(progress(reader, reader.count, 'measuring limbs'))
     study = LabelStudy(estimator, limits, usual, _SHOWN)
     count = reader.count or 0
     for number, frame in enumerate(progress(reader, reader.count, 'checking')):
         study.add(number, frame, compare=_is_compared(number, count))
     report = study.report()
+    report.model = path.name
     if not report.joints:
         msg = f'{reader.path}: no frame has a label; `lsc_pose label --help` says how to add some'
         raise InputError(msg)
@@ -85,13 +88,14 @@ def tell_report(
         # Matplotlib takes half a second to import.
         from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame  # noqa: PLC0415
         from lsc_pose_ros.viz.report.label_page import write_label_page  # noqa: PLC0415
+        from lsc_pose_ros.viz.report.page_parts import origin_of  # noqa: PLC0415
 
         worst = [
-            DrawnFrame(f'{each.number}: {each.reasons}', each.frame, each.estimate)
+            DrawnFrame(f'frame {each.number}: {each.reasons}', each.frame, each.estimate)
             for each in report.worst
         ]
         title = f'Labels of {recording.name}'
-        print(write_label_page(page, title, facts, advice, worst))
+        print(write_label_page(page, title, origin_of(__version__), facts, advice, worst))
 
 
 def add_limit_options(container: argparse._ActionsContainer) -> None:
@@ -143,7 +147,8 @@ def label_facts(report: LabelReport) -> dict[str, str]:
             f'left and right exchanged, {100 * sides.mirrored:.1f} % with x negated'
         )
         facts['model'] = (
-            f'the median distance to its estimates is {100 * report.difference:.1f} cm'
+            f'the median distance to the estimates of {report.model} is '
+            f'{100 * report.difference:.1f} cm'
         )
     if report.length_spread:
         joint = max(report.length_spread, key=lambda name: report.length_spread[name])

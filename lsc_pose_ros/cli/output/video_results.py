@@ -95,18 +95,28 @@ def video_results(ways: dict[str, list[VideoFrame]], tolerance: float) -> dict[s
 
 def video_table(results: dict[str, Any], tolerance: float) -> str:
     """Return a table of the scores of `video_results`."""
-    within = f'within {100 * tolerance:g} cm'
     lines = [f'{"video":<28}' + ''.join(f'{name:>16}' for name in results)]
+    for name, values in video_rows(results, tolerance):
+        cells = ''.join(f'{number:>10} {unit:<5}' for number, unit in values)
+        lines.append(f'{name:<28}{cells}'.rstrip())
+    return '\n'.join(lines)
+
+
+def video_rows(
+    results: dict[str, Any], tolerance: float
+) -> list[tuple[str, list[tuple[str, str]]]]:
+    """Return each score of `video_results`: its name, and a number and a unit for each way."""
     rows = (
         ('mean error', 'mean_error_m', 100, 'cm'),
-        (within, 'map', 100, '%'),
+        (f'within {100 * tolerance:g} cm', 'map', 100, '%'),
         ('95 % of movements at rest', 'jitter_at_rest_m', 100, 'cm'),
         ("95 % of the errors' changes", 'jitter_m', 100, 'cm'),
         ('lag', 'lag_frames', 1, 'frames'),
         ('turned round', 'turned_round', 100, '%'),
         ('number changes a minute', 'id_switches_per_minute', 1, ''),
     )
-    for name, key, factor, unit in rows:
-        cells = ''.join(f'{factor * way[key]:>10.1f} {unit:<5}' for way in results.values())
-        lines.append(f'{name:<28}{cells}'.rstrip())
-    return '\n'.join(lines)
+    return [
+        # Adding zero makes -0.0 positive.
+        (name, [(f'{round(factor * way[key], 1) + 0:.1f}', unit) for way in results.values()])
+        for name, key, factor, unit in rows
+    ]

@@ -87,6 +87,7 @@ class LabelReport:
             90 %, by the name of the limb's far joint.
         difference: the median distance between label and estimate, metres.
         worst: the worst frames, the worst first.
+        model: the name of the model, '' if it is not known.
     """
 
     frames: int = 0
@@ -98,6 +99,7 @@ class LabelReport:
     length_spread: dict[str, float] = field(default_factory=dict)
     difference: float = float('nan')
     worst: list[WorstFrame] = field(default_factory=list)
+    model: str = ''
 
 
 class LabelStudy:

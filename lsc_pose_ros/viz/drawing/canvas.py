@@ -28,8 +28,12 @@ from matplotlib.figure import Figure
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import PNG
 from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.viz.drawing.colours import FAINT, MIDDLE, PAGE
 
 DOTS_PER_INCH = 100
+
+CHART_WIDTH = 3.6
+"""The width of a chart on a page, inches: that of the text on a phone."""
 
 _STYLE = {
     'font.size': 9,
@@ -37,16 +41,22 @@ _STYLE = {
     'axes.labelsize': 9,
     'axes.spines.top': False,
     'axes.spines.right': False,
-    'axes.edgecolor': '#666666',
+    'axes.edgecolor': FAINT,
+    'axes.labelcolor': MIDDLE,
+    'axes.titlecolor': MIDDLE,
+    'text.color': MIDDLE,
     'axes.linewidth': 0.8,
     'axes.grid': False,
     'xtick.labelsize': 8,
     'ytick.labelsize': 8,
-    'xtick.color': '#444444',
-    'ytick.color': '#444444',
+    'xtick.color': FAINT,
+    'ytick.color': FAINT,
     'legend.fontsize': 8,
     'legend.frameon': False,
     'image.interpolation': 'nearest',
+    # Words of an SVG remain words, and the same figure gives the same file.
+    'svg.fonttype': 'none',
+    'svg.hashsalt': 'lsc_pose_ros',
 }
 
 
@@ -62,7 +72,7 @@ def house_style() -> Iterator[None]:
 def new_figure(width: float, height: float) -> Figure:
     """Return an empty figure of `width` x `height` inches, drawn without a display."""
     figure = Figure(
-        figsize=(width, height), dpi=DOTS_PER_INCH, layout='constrained', facecolor='white'
+        figsize=(width, height), dpi=DOTS_PER_INCH, layout='constrained', facecolor=PAGE
     )
     FigureCanvasAgg(figure)
     return figure

@@ -31,12 +31,15 @@ LEGEND_HEIGHT = 0.3
 
 def add_legend(figure: Figure, *, skeletons: bool, ground_truth: bool) -> None:
     """Add the legend of silhouette points and, if drawn, of skeletons and ground truth."""
+    add_legend_entries(figure, frame_legend(skeletons=skeletons, ground_truth=ground_truth))
+
+
+def frame_legend(*, skeletons: bool, ground_truth: bool) -> list[Line2D]:
+    """Return the entries of silhouette points and, if drawn, of skeletons and ground truth."""
     entries = [
         Line2D([], [], color=EDGE, linestyle='', marker='.', markersize=4, label='silhouette')
     ]
-    if skeletons:
-        entries = legend_lines(ground_truth=ground_truth) + entries
-    add_legend_entries(figure, entries)
+    return legend_lines(ground_truth=ground_truth) + entries if skeletons else entries
 
 
 def add_legend_entries(figure: Figure, entries: Sequence[Artist], lines: int = 1) -> None:

@@ -20,36 +20,47 @@ from html import escape
 from pathlib import Path
 from typing import NamedTuple
 
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-
 from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
 from lsc_pose_ros.files.kinds import HTML
 from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.viz.drawing.canvas import (
+    CHART_WIDTH,
     house_style,
     make_directory,
     new_figure,
 )
-from lsc_pose_ros.viz.drawing.colours import CURVES, FAINT
-from lsc_pose_ros.viz.drawing.legend import add_legend_entries
+from lsc_pose_ros.viz.drawing.colours import curve_look
+from lsc_pose_ros.viz.drawing.svg import Chart
 from lsc_pose_ros.viz.report import PAGE_NAME
-from lsc_pose_ros.viz.report.page_parts import facts_list, html_page, image
-from lsc_pose_ros.viz.report.plots import FARTHEST_CM, cumulative
+from lsc_pose_ros.viz.report.page_parts import charts, facts_list, folded_facts, html_page, table
+from lsc_pose_ros.viz.report.plots import curve_entry, draw_curves
+from lsc_pose_ros.viz.report.report import CURVES_CAPTION
 
 
 class ComparedModel(NamedTuple):
-    """One model: its name, its scores and all errors."""
+    """One model: its name, its scores, all errors, and how it was made."""
 
     name: str
     summary: Summary
     evaluation: Evaluation
+    provenance: dict[str, str]
 
 
 def write_comparison(
-    directory: Path, models: Sequence[ComparedModel], tolerance: float, facts: dict[str, str]
+    directory: Path,
+    models: Sequence[ComparedModel],
+    tolerance: float,
+    facts: dict[str, str],
+    origin: str,
 ) -> Path:
     """Write the page into `directory`, which is made if it does not exist; return its path.
+
+    Args:
+        directory: the folder.
+        models: what is compared.
+        tolerance: a joint counts as found up to this error, metres.
+        facts: other facts by name.
+        origin: when and by what the page is made.
 
     Raises:
         InputError: it cannot be written.
@@ -57,69 +68,76 @@ def write_comparison(
     make_directory(directory)
     path = directory / PAGE_NAME
     title = ' and '.join(model.name for model in models)
-    curves = image(comparison_curves(models, tolerance), 'Cumulative errors of all joints')
-    bars = image(comparison_bars(models, tolerance), 'Each joint of each model')
+    curves = [curve_entry(curve_look(number), each.name) for number, each in enumerate(models)]
+    bars = [curve_entry(curve_look(number).solid, each.name) for number, each in enumerate(models)]
+    made = '\n'.join(
+        folded_facts(f'How {model.name} was made', model.provenance) for model in models
+    )
     body = f"""\
 {facts_list(facts)}
 {_table(models, tolerance)}
+{made}
 <h2>Joint by joint</h2>
-{bars}
+{charts([comparison_bars(models, tolerance)], _BARS, bars)}
 <h2>All errors</h2>
-<p>The fraction of the joints whose error is at most the value on the axis.</p>
-{curves}"""
-    write_output(path, HTML, html_page(title, body).encode())
+{charts([comparison_curves(models, tolerance)], CURVES_CAPTION, curves)}"""
+    write_output(path, HTML, html_page(title, body, origin).encode())
     return path
+
+
+_BARS = (
+    'The fraction of the estimates of each joint within the tolerance, a bar for each model: the '
+    'longer the better.'
+)
 
 
 def _table(models: Sequence[ComparedModel], tolerance: float) -> str:
     rows = ''.join(
         f'<tr><td>{escape(model.name)}</td><td>{100 * model.summary.mean_error_m:.1f}</td>'
-        f'<td>{100 * model.summary.map:.1f}</td></tr>'
+        f'<td>{100 * model.summary.map:.1f}</td></tr>\n'
         for model in models
     )
-    head = f'<th>model</th><th>mean error, cm</th><th>within {100 * tolerance:g} cm, %</th>'
-    return f'<table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table>'
+    head = ('model', 'mean error, cm', f'within {100 * tolerance:g} cm, %')
+    return table('Scores of each model', head, rows)
 
 
-@house_style()
-def comparison_curves(models: Sequence[ComparedModel], tolerance: float) -> Figure:
+def comparison_curves(models: Sequence[ComparedModel], tolerance: float) -> Chart:
     """Return the cumulative error curve of each model over all its joints."""
-    figure = new_figure(8.4, 4.0)
-    axes = figure.subplots()
-    for number, model in enumerate(models):
-        curve = cumulative(model.evaluation.errors)
-        axes.plot(*curve, color=CURVES[number % len(CURVES)], linewidth=2)
-    axes.axvline(100 * tolerance, color=FAINT, linewidth=0.8, linestyle='--')
-    axes.set_xlim(0, FARTHEST_CM)
-    axes.set_ylim(0, 101)
-    axes.set_xlabel('error, cm')
-    axes.set_ylabel('joints within, %')
-    add_legend_entries(figure, _entries(models))
-    return figure
+    # Two models may have the same name, so the curves are numbered.
+    curves = {
+        str(number): (model.evaluation.errors.ravel(), curve_look(number))
+        for number, model in enumerate(models)
+    }
+    seen = f'A rising curve of the joints within an error for each model. {_means(models)}'
+    return Chart(draw_curves(curves, tolerance), seen)
 
 
 @house_style()
-def comparison_bars(models: Sequence[ComparedModel], tolerance: float) -> Figure:
+def comparison_bars(models: Sequence[ComparedModel], tolerance: float) -> Chart:
     """Return for each joint the fraction within `tolerance` metres, a bar for each model."""
     joints = list(dict.fromkeys(name for model in models for name in model.summary.joints))
-    figure = new_figure(8.4, 0.9 + 0.12 * len(joints) * (len(models) + 1))
+    figure = new_figure(CHART_WIDTH, 0.9 + 0.12 * len(joints) * (len(models) + 1))
     axes = figure.subplots()
     height = 1 / (len(models) + 1)
     for number, model in enumerate(models):
         rows = [row for row, name in enumerate(joints) if name in model.summary.joints]
         values = [100 * model.summary.joints[joints[row]].ap for row in rows]
         places = [row + height * (number - (len(models) - 1) / 2) for row in rows]
-        axes.barh(places, values, height=height, color=CURVES[number % len(CURVES)])
+        axes.barh(places, values, height=height, color=curve_look(number).colour)
     axes.set_yticks(range(len(joints)), joints)
+    axes.tick_params(axis='y', length=0)
     axes.set_ylim(len(joints) - 0.4, -0.6)
     axes.set_xlim(0, 100)
     axes.set_xlabel(f'within {100 * tolerance:g} cm, %')
-    add_legend_entries(figure, _entries(models))
-    return figure
+    seen = f'Bars of {len(joints)} joints, one for each model. {_means(models)}'
+    return Chart(figure, seen)
 
 
-def _entries(models: Sequence[ComparedModel]) -> list[Line2D]:
-    return [
-        Line2D([], [], color=CURVES[number % len(CURVES)], linewidth=4, label=model.name)
-        for number, model in enumerate(models)
-    ]
+def _means(models: Sequence[ComparedModel]) -> str:
+    """Return the mean scores of all models as a sentence."""
+    each = ', '.join(
+        f'{model.name} {100 * model.summary.map:.1f} % and '
+        f'{100 * model.summary.mean_error_m:.1f} cm'
+        for model in models
+    )
+    return f'Within the tolerance, and mean error: {each}.'

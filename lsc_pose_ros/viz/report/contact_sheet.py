@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 
 from lsc_pose_ros.viz.drawing.canvas import hide_axes, house_style, new_figure
 from lsc_pose_ros.viz.drawing.legend import LEGEND_HEIGHT, add_legend
-from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, draw_frame
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, caption, draw_frame
 
 _MOST_COLUMNS = 6
 _PANEL_WIDTH, _PANEL_HEIGHT = 1.75, 2.35
@@ -46,6 +46,7 @@ def contact_sheet(frames: Sequence[DrawnFrame], title: str = '') -> Figure:
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, drawn in zip(grid, frames, strict=False):
         draw_frame(axes, drawn)
+        axes.set_title(caption(drawn), pad=3)
     for axes in grid[len(frames) :]:
         hide_axes(axes)
     add_legend(

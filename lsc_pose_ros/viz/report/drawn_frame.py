@@ -15,15 +15,19 @@
 
 """A panel of one frame: depth, silhouette points, estimate, ground truth, error."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.evaluation.evaluate import joint_errors
 from lsc_pose_ros.pose.estimator import bodies_in
@@ -31,11 +35,16 @@ from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.silhouette.body_window import body_window
 from lsc_pose_ros.pose.silhouette.silhouette import find_silhouette
 from lsc_pose_ros.training.samples import select_joints
+from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure
 from lsc_pose_ros.viz.drawing.colours import EDGE
 from lsc_pose_ros.viz.drawing.crop import box_around
 from lsc_pose_ros.viz.drawing.depth_image import draw_depth
 from lsc_pose_ros.viz.drawing.dots import Dot, draw_dots
+from lsc_pose_ros.viz.drawing.legend import frame_legend
 from lsc_pose_ros.viz.drawing.skeleton_overlay import Look, draw_skeletons
+from lsc_pose_ros.viz.report.page_parts import Picture
+
+_PANEL = (2.2, 2.75)  # inches; its box is 0.8 times as wide as high
 
 
 class DrawnFrame(NamedTuple):
@@ -55,7 +64,7 @@ class DrawnFrame(NamedTuple):
 
 
 def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
-    """Draw depth, silhouette points and skeletons, with `caption` as the title."""
+    """Draw depth, silhouette points and skeletons."""
     frame = drawn.frame
     draw_depth(axes, frame, box_around(frame))
     points = silhouette_pixels(frame, drawn.settings)
@@ -67,7 +76,55 @@ def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
         draw_skeletons(axes, drawn.estimate, frame.camera)
     elif frame.ground_truth is not None:
         draw_skeletons(axes, frame.ground_truth, frame.camera)
-    axes.set_title(caption(drawn), pad=3)
+
+
+@house_style()
+def frame_panel(drawn: DrawnFrame) -> Figure:
+    """Return a figure of one frame, without words."""
+    figure = new_figure(*_PANEL)
+    axes = figure.subplots()
+    draw_frame(axes, drawn)
+    return figure
+
+
+def frame_picture(drawn: DrawnFrame) -> Picture:
+    """Return the picture of one frame for a page."""
+    return Picture(frame_panel(drawn), description(drawn), caption(drawn))
+
+
+def frame_entries(drawn: Sequence[DrawnFrame]) -> list[Line2D]:
+    """Return the legend of the frames."""
+    return frame_legend(
+        skeletons=any(each.estimate or each.frame.ground_truth for each in drawn),
+        ground_truth=any(each.estimate and each.frame.ground_truth for each in drawn),
+    )
+
+
+def description(drawn: DrawnFrame) -> str:
+    """Return what a reader sees in the panel: people, skeletons and the largest error."""
+    frame, estimate = drawn.frame, drawn.estimate
+    people = len(bodies_in(frame.labels))
+    words = [f'{people} {"person" if people == 1 else "people"} in grey depth']
+    if estimate is not None:
+        words.append('the estimated skeleton')
+        if frame.ground_truth is not None:
+            words.append('the ground truth as a band below it')
+    elif frame.ground_truth is not None:
+        words.append('the ground truth as a skeleton')
+    return f'{caption(drawn)}. {", ".join(words)}{_largest_error(drawn)}.'
+
+
+def _largest_error(drawn: DrawnFrame) -> str:
+    ground_truth, estimate = drawn.frame.ground_truth, drawn.estimate
+    if ground_truth is None or estimate is None or len(ground_truth.bodies) == 0:
+        return ''
+    errors = joint_errors(estimate, ground_truth)
+    finite = np.where(np.isfinite(errors), errors, -1)
+    if finite.size == 0 or finite.max() < 0:
+        return ''
+    joint = int(np.unravel_index(finite.argmax(), finite.shape)[1])
+    name = names_of(estimate.joints)[joint]
+    return f'; farthest off is {name}, by {100 * finite.max():.1f} cm'
 
 
 def only_joints(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> Skeletons:

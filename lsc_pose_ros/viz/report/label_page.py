@@ -23,14 +23,14 @@ from lsc_pose_ros.files.kinds import HTML
 from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.viz.drawing.canvas import make_directory
 from lsc_pose_ros.viz.report import PAGE_NAME
-from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
-from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
-from lsc_pose_ros.viz.report.page_parts import facts_list, html_page, image
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, frame_entries, frame_picture
+from lsc_pose_ros.viz.report.page_parts import facts_list, frames, html_page
 
 
 def write_label_page(
     directory: Path,
     title: str,
+    origin: str,
     facts: dict[str, str],
     advice: Sequence[str],
     worst: Sequence[DrawnFrame],
@@ -40,6 +40,7 @@ def write_label_page(
     Args:
         directory: the folder.
         title: the title.
+        origin: when and by what the page is made.
         facts: what was found, by name.
         advice: a sentence for each thing to do.
         worst: the worst frames, each with its problems as the label.
@@ -50,16 +51,16 @@ def write_label_page(
     make_directory(directory)
     path = directory / PAGE_NAME
     todo = ''.join(f'<li>{escape(sentence)}</li>' for sentence in advice)
-    frames = ''
+    pictures = ''
     if worst:
-        sheet = image(contact_sheet(worst), 'The worst frames, with labels and estimates')
-        frames = f'<h2>Worst frames</h2>\n<p>{_LEGEND}</p>\n{sheet}'
+        panels = frames([frame_picture(each) for each in worst], frame_entries(worst))
+        pictures = f'<h2>Worst frames</h2>\n<p>{_LEGEND}</p>\n{panels}'
     body = f"""\
 {facts_list(facts)}
 <h2>What to do</h2>
 <ul>{todo or '<li>Nothing stands out.</li>'}</ul>
-{frames}"""
-    write_output(path, HTML, html_page(title, body).encode())
+{pictures}"""
+    write_output(path, HTML, html_page(title, body, origin).encode())
     return path
 
 

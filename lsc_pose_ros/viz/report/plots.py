@@ -16,23 +16,33 @@
 """Plots of an evaluation: errors of each joint, cumulative errors, reliability."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Iterable, Mapping
 from typing import NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patheffects import Normal, Stroke
 from matplotlib.ticker import PercentFormatter
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.evaluation.confidence_reliability import Reliability
-from lsc_pose_ros.evaluation.evaluate import Evaluation, JointScore, Summary
-from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure
-from lsc_pose_ros.viz.drawing.colours import BORDER, CURVES, FAINT, LEFT, MIDDLE, RIGHT
-from lsc_pose_ros.viz.drawing.legend import add_legend_entries
+from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
+from lsc_pose_ros.viz.drawing.canvas import CHART_WIDTH, house_style, new_figure
+from lsc_pose_ros.viz.drawing.colours import (
+    ALL_JOINTS,
+    BORDER,
+    FAINT,
+    LEFT,
+    LIMB_ENDS,
+    MIDDLE,
+    PAGE,
+    PARTS,
+    RIGHT,
+    LineLook,
+)
+from lsc_pose_ros.viz.drawing.svg import Chart
 
 # The end of the error axis; joints with larger errors are not found at all.
 FARTHEST_CM = 30
@@ -40,72 +50,96 @@ FARTHEST_CM = 30
 _BAR = 0.4  # its height, in rows
 
 _SIDES = {'l_': LEFT, 'r_': RIGHT, '': MIDDLE}
-_LIMB_ENDS = ('elbow', 'wrist', 'hand')
-_DASHES: tuple[tuple[float, ...], ...] = ((), (), (5, 1.5), (2, 1.2), (6, 1.5, 1.5, 1.5))
+_SIDE_NAMES = {'l_': "person's left", 'r_': "person's right", '': 'middle'}
 
 
-@house_style()
-def joint_bars(summary: Summary, tolerance: float) -> Figure:
+def joint_bars(summary: Summary, tolerance: float) -> tuple[Chart, Chart]:
     """Return bars of each joint's mean error and of its fraction within `tolerance` metres."""
-    rows = _rows(summary)
-    figure = new_figure(8.4, 0.9 + 0.32 * len(rows))
-    errors, fractions = figure.subplots(1, 2, sharey=True)
-    _draw_bars(errors, rows, lambda score: 100 * score.mean_error_m)
-    errors.axvline(100 * summary.mean_error_m, color=FAINT, linewidth=0.8, linestyle='--')
-    errors.set_title(f'mean error, cm (dashed: mean {100 * summary.mean_error_m:.1f})')
-    _draw_bars(fractions, rows, lambda score: 100 * score.ap)
-    fractions.axvline(100 * summary.map, color=FAINT, linewidth=0.8, linestyle='--')
-    fractions.set_title(f'within {100 * tolerance:g} cm, % (dashed: mean {100 * summary.map:.1f})')
-    fractions.set_xlim(0, 112)
-    fractions.set_xticks(range(0, 101, 20))
-    errors.set_yticks(range(len(rows)), rows)
-    errors.set_ylim(len(rows) - 0.4, -0.6)
-    labels = {'l_': "person's left", 'r_': "person's right", '': 'middle'}
-    used = {side for parts in rows.values() for side in parts}
-    add_legend_entries(
-        figure,
-        [
-            Line2D([], [], color=_SIDES[side], linewidth=5, solid_capstyle='butt', label=label)
-            for side, label in labels.items()
-            if side in used
-        ],
+    errors = {name: 100 * score.mean_error_m for name, score in summary.joints.items()}
+    fractions = {name: 100 * score.ap for name, score in summary.joints.items()}
+    within = f'within {100 * tolerance:g} cm, %'
+    left = _bars(errors, 'mean error, cm', 100 * summary.mean_error_m)
+    right = _bars(fractions, within, 100 * summary.map)
+    right.axes[0].set_xlim(0, 118)
+    right.axes[0].set_xticks(range(0, 101, 20))
+    return (
+        Chart(left, _bars_seen('Mean error', errors, 'cm', 100 * summary.mean_error_m)),
+        Chart(
+            right,
+            _bars_seen(
+                f'Fraction within {100 * tolerance:g} cm', fractions, '%', 100 * summary.map
+            ),
+        ),
     )
-    return figure
+
+
+def side_entries(names: Iterable[str]) -> list[Line2D]:
+    """Return the legend of the sides that `names` of joints have."""
+    used = {_side(name) for name in names}
+    return [
+        Line2D([], [], color=_SIDES[side], linewidth=5, solid_capstyle='butt', label=label)
+        for side, label in _SIDE_NAMES.items()
+        if side in used
+    ]
 
 
 @house_style()
-def error_curves(evaluation: Evaluation, tolerance: float) -> Figure:
+def error_curves(evaluation: Evaluation, tolerance: float) -> Chart:
     """Return the cumulative error curves of all joints, and of elbows, wrists and hands.
 
     A joint that was not estimated has an infinite error.
     """
-    figure = new_figure(6.4, 3.6)
+    groups = _groups(evaluation)
+    figure = draw_curves(
+        {name: (errors, PARTS[name]) for name, errors in groups.items()}, tolerance
+    )
+    ends = ', '.join(
+        f'{name} {_percent_within(errors, tolerance):.1f} %' for name, errors in groups.items()
+    )
+    seen = f'Rising curves of the joints within an error. Within {100 * tolerance:g} cm: {ends}.'
+    return Chart(figure, seen)
+
+
+def part_entries(evaluation: Evaluation) -> list[Line2D]:
+    """Return the legend of `error_curves`."""
+    return [curve_entry(PARTS[name], name) for name in _groups(evaluation)]
+
+
+def curve_entry(look: LineLook, name: str) -> Line2D:
+    """Return the entry of a curve in a legend."""
+    return Line2D([], [], color=look.colour, dashes=look.dashes, linewidth=2, label=name)
+
+
+@house_style()
+def draw_curves(
+    curves: Mapping[str, tuple[NDArray[np.float32], LineLook]], tolerance: float
+) -> Figure:
+    """Return the cumulative curves of errors, metres, by name."""
+    figure = new_figure(CHART_WIDTH, 2.8)
     axes = figure.subplots()
     axes.axvline(100 * tolerance, color=BORDER, linewidth=0.9)
     axes.text(100 * tolerance, 1.5, ' tolerance', color=FAINT, fontsize=8, va='bottom')
-    groups = _groups(evaluation)
-    for (name, errors), colour, dashes in zip(groups.items(), CURVES, _DASHES, strict=False):
+    for number, (errors, look) in enumerate(curves.values()):
         curve = cumulative(errors)
         axes.plot(
-            curve.centimetres, curve.percent, color=colour, dashes=dashes, label=name,
-            linewidth=2.0 if name == 'all joints' else 1.4,
+            curve.centimetres, curve.percent, color=look.colour, dashes=look.dashes,
+            linewidth=1.6 if number else 2.2,
         )  # fmt: skip
     axes.set_xlim(0, FARTHEST_CM)
     axes.set_ylim(0, 101)
     axes.set_xlabel('error, cm')
     axes.set_ylabel('joints within')
     axes.yaxis.set_major_formatter(PercentFormatter())
-    axes.legend(loc='lower right')
     return figure
 
 
 @house_style()
-def reliability_plot(reliability: Reliability) -> Figure:
+def reliability_plot(reliability: Reliability) -> Chart:
     """Return the fraction of joints that are near over their confidence, bin by bin.
 
     A histogram of the confidence is below.
     """
-    figure = new_figure(4.2, 4.2)
+    figure = new_figure(CHART_WIDTH, 3.6)
     fractions, counts = figure.subplots(2, 1, sharex=True, height_ratios=(4, 1))
     fractions.plot([0, 100], [0, 100], color=BORDER, linewidth=0.9)
     percent = np.array([(100 * each.confidence, 100 * each.fraction) for each in reliability.bins])
@@ -122,7 +156,10 @@ def reliability_plot(reliability: Reliability) -> Figure:
     counts.set_xlim(0, 100)
     counts.set_xlabel('confidence')
     counts.xaxis.set_major_formatter(PercentFormatter())
-    return figure
+    points = ', '.join(f'{y:.0f} % of those with {x:.0f} %' for x, y in percent)
+    return Chart(
+        figure, f'Joints within {100 * reliability.within_m:g} cm, by confidence: {points}.'
+    )
 
 
 class Curve(NamedTuple):
@@ -143,43 +180,67 @@ def cumulative(errors: NDArray[np.float32]) -> Curve:
 def _groups(evaluation: Evaluation) -> dict[str, NDArray[np.float32]]:
     """Return the errors of all joints, and those of elbows, wrists and hands if labelled."""
     names = names_of(evaluation.joints)
-    groups = {'all joints': evaluation.errors.ravel()}
-    for end in _LIMB_ENDS:
-        mine = evaluation.errors[:, [end in name for name in names]].ravel()
+    groups = {ALL_JOINTS: evaluation.errors.ravel()}
+    for part in LIMB_ENDS:
+        mine = evaluation.errors[:, [part.removesuffix('s') in name for name in names]].ravel()
         if not np.isnan(mine).all():
-            groups[f'{end}s'] = mine
+            groups[part] = mine
     return groups
 
 
-def _rows(summary: Summary) -> dict[str, dict[str, JointScore]]:
-    """Return the scores by side for each kind of joint, in the vocabulary's order."""
-    rows: dict[str, dict[str, JointScore]] = {}
-    for name, score in summary.joints.items():
-        side = name[:2] if name[:2] in _SIDES else ''
-        rows.setdefault(name.removeprefix(side), {})[side] = score
-    return rows
+def _percent_within(errors: NDArray[np.float32], tolerance: float) -> float:
+    labelled = errors[~np.isnan(errors)]
+    return 100 * float((labelled <= tolerance).mean()) if len(labelled) else 0.0
 
 
-def _draw_bars(
-    axes: Axes,
-    rows: dict[str, dict[str, JointScore]],
-    value: Callable[[JointScore], float],
-) -> None:
-    """Draw a bar for each joint; left and right of a kind are in the same row."""
+def _side(name: str) -> str:
+    return name[:2] if name[:2] in _SIDES else ''
+
+
+def _bars_seen(what: str, values: Mapping[str, float], unit: str, mean: float) -> str:
+    """Return the alternative text of bars: the mean, the shortest and the longest."""
+    known = {name: value for name, value in values.items() if math.isfinite(value)}
+    if not known:
+        return f'{what} of each joint: there are no estimates.'
+    least, most = min(known, key=known.__getitem__), max(known, key=known.__getitem__)
+    return (
+        f'{what} of each joint as bars, on average {mean:.1f} {unit}; '
+        f'the shortest is {least} with {known[least]:.1f} {unit}, the longest {most} with '
+        f'{known[most]:.1f} {unit}.'
+    )
+
+
+@house_style()
+def _bars(values: Mapping[str, float], title: str, mean: float) -> Figure:
+    """Return a bar for each joint; left and right of a kind are in the same row."""
+    rows: dict[str, dict[str, float]] = {}
+    for name, value in values.items():
+        rows.setdefault(name.removeprefix(_side(name)), {})[_side(name)] = value
+    figure = new_figure(CHART_WIDTH, 0.6 + 0.36 * len(rows))
+    axes = figure.subplots()
     for row, sides in enumerate(rows.values()):
-        for position, (side, score) in enumerate(sides.items()):
+        for position, (side, value) in enumerate(sides.items()):
             height = row + _BAR * (position - 0.5 * (len(sides) - 1))
-            length = value(score)
-            known = math.isfinite(length)
-            axes.barh(height, length if known else 0, 0.9 * _BAR, color=_SIDES[side])
-            text = axes.annotate(
-                f'{length:.1f}' if known else 'no estimate',
-                (length if known else 0, height),
-                xytext=(2, 0),
-                textcoords='offset points',
-                va='center',
-                fontsize=6.5,
-            )
-            text.set_path_effects([Stroke(linewidth=2, foreground='white'), Normal()])
+            _draw_bar(axes, height, value, _SIDES[side])
+    axes.axvline(mean, color=FAINT, linewidth=0.8, linestyle='--')
+    axes.set_title(f'{title} (dashed: mean {mean:.1f})')
+    axes.set_yticks(range(len(rows)), rows)
+    axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.tick_params(axis='y', length=0)
-    axes.margins(x=0.12)
+    axes.margins(x=0.16)
+    return figure
+
+
+def _draw_bar(axes: Axes, height: float, value: float, colour: str) -> None:
+    length = value if math.isfinite(value) else 0.0
+    axes.barh(height, length, 0.9 * _BAR, color=colour)
+    axes.annotate(
+        f'{value:.1f}' if math.isfinite(value) else 'no estimate',
+        (length, height),
+        xytext=(2, 0),
+        textcoords='offset points',
+        va='center',
+        fontsize=8,
+        # The line of the mean does not cross the number.
+        bbox={'facecolor': PAGE, 'edgecolor': 'none', 'pad': 0.5},
+    )

@@ -15,20 +15,54 @@
 
 """The HTML page of `evaluate --report`, one file with its figures inside."""
 
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import NamedTuple
+
+from matplotlib.lines import Line2D
 
 from lsc_pose_ros.evaluation.confidence_reliability import Reliability, measure_reliability
 from lsc_pose_ros.evaluation.evaluate import Evaluation, Summary
 from lsc_pose_ros.files.kinds import HTML
 from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.viz.drawing.canvas import make_directory
+from lsc_pose_ros.viz.drawing.svg import Chart
 from lsc_pose_ros.viz.report import PAGE_NAME
-from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
-from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
-from lsc_pose_ros.viz.report.page_parts import facts_list, html_page, image
-from lsc_pose_ros.viz.report.plots import error_curves, joint_bars, reliability_plot
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, frame_entries, frame_picture
+from lsc_pose_ros.viz.report.page_parts import (
+    charts,
+    facts_list,
+    folded_facts,
+    frames,
+    html_page,
+    table,
+)
+from lsc_pose_ros.viz.report.plots import (
+    error_curves,
+    joint_bars,
+    part_entries,
+    reliability_plot,
+    side_entries,
+)
+
+
+class VideoSection(NamedTuple):
+    """What the page says of a video.
+
+    Attributes:
+        ways: the names of the ways of estimation, which are the columns of the table.
+        rows: a name and a value for each way.
+        plot: one joint over time.
+        entries: the legend of the plot.
+        caption: what the plot shows.
+    """
+
+    ways: Sequence[str]
+    rows: Sequence[tuple[str, Sequence[str]]]
+    plot: Chart
+    entries: Sequence[Line2D]
+    caption: str
 
 
 class Report(NamedTuple):
@@ -36,21 +70,27 @@ class Report(NamedTuple):
 
     Attributes:
         title: the title.
+        origin: when and by what it was made.
         summary: the scores.
         evaluation: all errors.
         tolerance: a joint counts as correct up to this error, metres.
         facts: other facts by name: the model, the recordings, the time per frame.
+        provenance: how the model was made, by name.
         best: the frames with the smallest errors, with their estimates.
         worst: the frames with the largest errors, likewise.
+        video: the estimation over time; None if it was not measured.
     """
 
     title: str
+    origin: str
     summary: Summary
     evaluation: Evaluation
     tolerance: float
     facts: dict[str, str]
+    provenance: dict[str, str]
     best: list[DrawnFrame]
     worst: list[DrawnFrame]
+    video: VideoSection | None = None
 
 
 def write_report(directory: Path, report: Report) -> Path:
@@ -69,19 +109,43 @@ def write_report(directory: Path, report: Report) -> Path:
 
 def page(report: Report) -> str:
     """Return the page as HTML."""
+    bars = joint_bars(report.summary, report.tolerance)
     body = f"""\
 {_headline(report)}
 {facts_list(report.facts)}
+{folded_facts('How the model was made', report.provenance)}
 <h2>Joint by joint</h2>
-{image(joint_bars(report.summary, report.tolerance), 'Mean error and precision of each joint')}
+{charts(bars, _BARS, side_entries(report.summary.joints))}
 {_table(report)}
 <h2>All errors</h2>
-<p>The fraction of the joints whose error is at most the value on the axis.</p>
-{image(error_curves(report.evaluation, report.tolerance), 'Cumulative error curves')}
+{
+        charts(
+            [error_curves(report.evaluation, report.tolerance)],
+            CURVES_CAPTION,
+            part_entries(report.evaluation),
+        )
+    }
 {_confidence(measure_reliability(report.evaluation))}
+{_video(report.video)}
 {_frames('Best frames', report.best)}
 {_frames('Worst frames', report.worst)}"""
-    return html_page(report.title, body)
+    return html_page(report.title, body, report.origin)
+
+
+CURVES_CAPTION = (
+    'The fraction of the joints whose error is at most the value on the axis: the higher a curve, '
+    'the better.'
+)
+
+_BARS = (
+    'Bars of the mean error of each joint, the shorter the better, and of the fraction of its '
+    'estimates within the tolerance, the longer the better.'
+)
+
+_FRAMES = (
+    'Depth is grey, the nearer the lighter; the estimated skeleton lies over the band of the '
+    'ground truth. The number is the mean error of the labelled joints.'
+)
 
 
 def _headline(report: Report) -> str:
@@ -105,26 +169,39 @@ def _table(report: Report) -> str:
         f'<td>{100 * score.ap:.1f}</td><td>{score.n}</td></tr>\n'
         for name, score in summary.joints.items()
     )
-    return (
-        '<table>\n<thead><tr><th>joint</th><th>mean error, cm</th>'
-        f'<th>within {100 * report.tolerance:g} cm, %</th><th>labelled</th></tr></thead>\n'
-        f'<tbody>\n{rows}</tbody>\n'
-        f'<tfoot><tr><td>mean</td><td>{100 * summary.mean_error_m:.1f}</td>'
-        f'<td>{100 * summary.map:.1f}</td><td></td></tr></tfoot>\n</table>'
+    within = f'within {100 * report.tolerance:g} cm, %'
+    foot = (
+        f'<tr><td>mean</td><td>{100 * summary.mean_error_m:.1f}</td>'
+        f'<td>{100 * summary.map:.1f}</td><td></td></tr>'
     )
+    head = ('joint', 'mean error, cm', within, 'labelled')
+    return table('Scores of each joint', head, rows, foot)
 
 
 def _confidence(reliability: Reliability) -> str:
-    plot = image(reliability_plot(reliability), 'Fraction of joints that are near, by confidence')
-    return (
-        f'<h2>Confidence</h2>\n<p>Of the joints with a confidence of 80 %, about 80 % should lie '
-        f'within {100 * reliability.within_m:g} cm of the ground truth. On average over all '
-        f'joints, confidence is off by {100 * reliability.ece:.1f} % (expected calibration '
-        f'error).</p>\n{plot}'
+    caption = (
+        f'Of the joints with a confidence of 80 %, about 80 % should lie within '
+        f'{100 * reliability.within_m:g} cm of the ground truth: dots on the grey diagonal. On '
+        f'average over all joints, confidence is off by {100 * reliability.ece:.1f} % (expected '
+        f'calibration error). The bars below count the joints of each confidence.'
     )
+    return f'<h2>Confidence</h2>\n{charts([reliability_plot(reliability)], caption)}'
 
 
-def _frames(heading: str, frames: list[DrawnFrame]) -> str:
-    if not frames:
+def _video(video: VideoSection | None) -> str:
+    if video is None:
         return ''
-    return f'<h2>{heading}</h2>\n{image(contact_sheet(frames), heading)}'
+    rows = ''.join(
+        f'<tr><td>{escape(name)}</td>{"".join(f"<td>{escape(value)}</td>" for value in values)}'
+        '</tr>\n'
+        for name, values in video.rows
+    )
+    scores = table('Scores of the video', ('', *video.ways), rows)
+    return f'<h2>Over time</h2>\n{scores}\n{charts([video.plot], video.caption, video.entries)}'
+
+
+def _frames(heading: str, drawn: list[DrawnFrame]) -> str:
+    if not drawn:
+        return ''
+    pictures = [frame_picture(each) for each in drawn]
+    return f'<h2>{heading}</h2>\n<p>{_FRAMES}</p>\n{frames(pictures, frame_entries(drawn))}'
