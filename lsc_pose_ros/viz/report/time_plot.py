@@ -35,7 +35,7 @@ SECONDS = 6.0
 """The plot shows so much of the video."""
 
 _BAND = 4.0  # the width of the ground truth, points
-_AXES = ('right', 'down', 'away from the camera')
+_AXES = ('right', 'down', 'away')
 
 
 @house_style()
