@@ -1,7 +1,8 @@
 #!/bin/sh
 # Draws the pictures of how_it_works.md (synthetic people that the default model has not seen, and
-# one frame at each stage of a small model), of time.md (a joint of a video), of the card of the models (people in front of each
-# sensor), and of README.md (estimates of the live node in the demonstration).
+# one frame at each stage of a small model; stages.json has the numbers that its text names), of
+# time.md (a joint of a video), of the card of the models (people in front of each sensor), and of
+# README.md (estimates of the live node in the demonstration).
 # This takes a few minutes and needs lsc_pose on the PATH or in LSC_POSE, and a Python with the
 # package and ROS 2: python3, or the value of PYTHON.
 set -eu
@@ -18,7 +19,7 @@ $lsc_pose synth "$work/front.mcap" --frames 60 --clip-length 2 --seed 2001
 $lsc_pose train "$work/train.mcap" -o "$work/model.npz"
 $lsc_pose view "$work/front.mcap" -o "$work/stages" --stages 51 --model "$work/model.npz"
 rm "$work/stages/stages.png"
-cp "$work/stages/"*.png "$pictures"
+cp "$work/stages/"*.png "$work/stages/stages.json" "$pictures"
 
 $lsc_pose synth "$work/people.mcap" --frames 60 --clip-length 2 --seed 2002 --yaw 180
 $lsc_pose view "$work/people.mcap" -o "$pictures/sheet.png" --model default \
@@ -31,8 +32,7 @@ for sensor in kinect_v1 kinect_v2 azure realsense zed tof; do
 done
 
 $lsc_pose synth "$work/video.mcap" --frames 180 --fps 30 --clip-length 60 --yaw 180 --sensor zed --seed 2005
-$lsc_pose evaluate default "$work/video.mcap" --video --report "$work/video" --joints r_wrist
-cp "$work/video/video.png" "$pictures/time.png"
+${PYTHON:-python3} "$pictures/../draw_time.py" "$work/video.mcap" r_wrist "$pictures/time.png"
 
 $lsc_pose synth "$work/rooms.mcap" --frames 12 --clip-length 1 --seed 2004 --yaw 180 --people 2 \
     --furniture

@@ -40,6 +40,7 @@ from lsc_pose_ros.viz.stages.silhouette_panels import (
     draw_smoothing,
 )
 from lsc_pose_ros.viz.stages.skeleton_figure import draw_joints, skeleton_figure
+from lsc_pose_ros.viz.stages.stage_numbers import write_numbers
 from lsc_pose_ros.viz.stages.vote_panels import draw_joint_votes, draw_pair_votes
 
 SHEET_NAME = 'stages'
@@ -128,7 +129,9 @@ def stage_figures(shown: ShownBody) -> dict[str, Figure]:
 
 
 def write_stages(directory: Path, shown: ShownBody) -> list[Path]:
-    """Write a PNG file for each stage and one of all into `directory`; return their paths.
+    """Write a PNG file for each stage and one of all into `directory`; return all paths.
+
+    The numbers that they show are written beside them, as JSON.
 
     Raises:
         InputError: a file cannot be written.
@@ -138,4 +141,4 @@ def write_stages(directory: Path, shown: ShownBody) -> list[Path]:
     for name, figure in stage_figures(shown).items():
         paths.append(directory / f'{name}.png')
         save_png(figure, paths[-1])
-    return paths
+    return [*paths, write_numbers(directory, shown)]

@@ -16,6 +16,7 @@
 """The panels and figures of the stages."""
 
 import io
+import json
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.viz.drawing.canvas import png_bytes
 from lsc_pose_ros.viz.stages.shown_body import ShownBody, show_body
+from lsc_pose_ros.viz.stages.stage_numbers import stage_numbers
 from lsc_pose_ros.viz.stages.stage_sheet import stage_panels, stage_sheet, write_stages
 
 WITHOUT_MODEL = ['1_depth', '2_smoothing', '3_silhouette', '4_descriptor']
@@ -49,9 +51,12 @@ def test_sentence_replaces_the_figure_of_another_feature(
 
 
 def test_every_stage_is_written(shown: ShownBody, tmp_path: Path) -> None:
-    paths = write_stages(tmp_path / 'new' / 'folder', shown)
+    *paths, numbers = write_stages(tmp_path / 'new' / 'folder', shown)
+    assert json.loads(numbers.read_text()) == json.loads(json.dumps(stage_numbers(shown)))
     assert [path.stem for path in paths] == [*WITHOUT_MODEL, *WITH_MODEL, 'stages']
-    assert {path.name for path in paths} == {path.name for path in paths[0].parent.iterdir()}
+    assert {path.name for path in (*paths, numbers)} == {
+        path.name for path in paths[0].parent.iterdir()
+    }
     for path in paths:
         with Image.open(path) as image:
             assert np.asarray(image.convert('L')).std() > 5, path.name
