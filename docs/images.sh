@@ -17,7 +17,7 @@ mkdir -p "$pictures"
 $lsc_pose synth "$work/train.mcap" --frames 1500 --clip-length 3 --seed 1
 $lsc_pose synth "$work/front.mcap" --frames 60 --clip-length 2 --seed 2001
 $lsc_pose train "$work/train.mcap" -o "$work/model.npz"
-$lsc_pose view "$work/front.mcap" -o "$work/stages" --stages 51 --model "$work/model.npz"
+$lsc_pose view "$work/front.mcap" -o "$work/stages" --stages 29 --model "$work/model.npz"
 rm "$work/stages/stages.png"
 cp "$work/stages/"*.png "$work/stages/stages.json" "$pictures"
 

@@ -13,6 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -215,7 +216,7 @@ def test_stages_with_the_model_of_the_package(
     without = len(capsys.readouterr().out.splitlines())
     (shipped / 'default.npz').write_bytes(model.read_bytes())
     assert main(words) == 0
-    assert len(capsys.readouterr().out.splitlines()) == 9 > without
+    assert len(capsys.readouterr().out.splitlines()) == 10 > without
 
 
 def test_stages_into_a_folder(
@@ -224,8 +225,9 @@ def test_stages_into_a_folder(
     words = ['view', str(recording), '-o', str(tmp_path / 'stages'), '--model', str(model)]
     assert main([*words, '--stages', '3', '--body', '2']) == 0
     paths = [Path(line) for line in capsys.readouterr().out.splitlines()]
-    assert len(paths) == 9
-    assert all(size_of(path) for path in paths)
+    assert len(paths) == 10
+    assert all(size_of(path) for path in paths[:-1])
+    assert json.loads(paths[-1].read_text())['body'] == 2
 
 
 def test_stages_onto_one_sheet(recording: Path, tmp_path: Path) -> None:
