@@ -15,6 +15,7 @@
 
 """Package lsc_pose_ros for pip and colcon."""
 
+import re
 import sys
 from pathlib import Path
 
@@ -22,6 +23,7 @@ from setuptools import find_packages, setup
 
 PACKAGE = 'lsc_pose_ros'
 ADDRESS = 'https://github.com/lsc-pose-ros/lsc_pose_ros'
+BRANCH = 'main'
 # colcon runs a symbolic link to this file in a folder without the README.
 README = Path(__file__).resolve().with_name('README.md')
 
@@ -92,6 +94,14 @@ def ros2_run_files() -> list[tuple[str, list[str]]]:
     return [(f'lib/{PACKAGE}', [f'resource/ros2_run/{program}' for program in PROGRAMS])]
 
 
+def description() -> str:
+    """Return the README with absolute addresses, since PyPI has only its text."""
+    text = README.read_text(encoding='utf-8')
+    raw = ADDRESS.replace('github.com', 'raw.githubusercontent.com')
+    text = re.sub(r'(!\[[^]]*\]\()(?!https?:)', rf'\1{raw}/{BRANCH}/', text)
+    return re.sub(r'((?<!!)\[[^]]*\]\()(?!https?:|#)', rf'\1{ADDRESS}/blob/{BRANCH}/', text)
+
+
 def shared_files(folder: str, source: str = '') -> list[tuple[str, list[str]]]:
     """Return the data files that copy `source` to `folder` of the package's ament share.
 
@@ -115,21 +125,28 @@ setup(
     name=PACKAGE,
     version='0.1.0',
     description='Human joints in 3-D from one depth image and a person mask, for ROS 2',
-    long_description=README.read_text(encoding='utf-8'),
+    long_description=description(),
     long_description_content_type='text/markdown',
     license='Apache-2.0 AND CC0-1.0',
     license_files=['LICENSE', f'{PACKAGE}/resources/bodies/LICENSE.md'],
     url=ADDRESS,
     project_urls={
+        'Documentation': f'{ADDRESS}/blob/{BRANCH}/docs/README.md',
+        'Source': ADDRESS,
         'Issues': f'{ADDRESS}/issues',
-        'Changes': f'{ADDRESS}/blob/main/CHANGELOG.rst',
+        'Changelog': f'{ADDRESS}/blob/{BRANCH}/CHANGELOG.rst',
     },
     author='lsc_pose_ros contributors',
     maintainer='lsc_pose_ros maintainers',
     maintainer_email='maintainers@users.noreply.h-seed-a1dd597a.example',
     keywords=['ROS', 'human pose estimation', 'depth image', 'regression forest'],
     classifiers=[
+        'Development Status :: 4 - Beta',
+        'Environment :: Console',
+        'Intended Audience :: Developers',
+        'Intended Audience :: Science/Research',
         'Operating System :: POSIX :: Linux',
+        'Programming Language :: Python :: 3 :: Only',
         *(f'Programming Language :: Python :: 3.{minor}' for minor in range(10, 15)),
         'Topic :: Scientific/Engineering :: Image Recognition',
         'Typing :: Typed',

@@ -30,7 +30,10 @@ from installed_program import run
 ROOT = Path(__file__).parents[2]
 
 _FOLDERS = ('lsc_pose_ros', 'launch', 'resource', 'test', 'experiments', 'benchmarks')
-_FILES = ('setup.py', 'setup.cfg', 'pyproject.toml', 'package.xml', 'README.md', 'LICENSE')
+_FILES = (
+    *('setup.py', 'setup.cfg', 'pyproject.toml', 'MANIFEST.in', 'package.xml', 'LICENSE'),
+    *('README.md', 'CHANGELOG.rst', 'CONTRIBUTING.md', 'SECURITY.md'),
+)
 
 
 def find_version(distribution: str) -> tuple[int, ...]:
@@ -106,6 +109,19 @@ def wheel_file(
     pip = [sys.executable, '-m', 'pip', 'wheel', *pip_options]
     run(*pip, '--wheel-dir', target, source, cwd=target)
     (path,) = target.glob('*.whl')
+    return path
+
+
+@pytest.fixture(scope='session')
+def source_archive(
+    source: Path, pip_options: list[str], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
+    """Return the source archive."""
+    assert '--no-build-isolation' in pip_options  # the setuptools of this environment is used
+    folder = tmp_path_factory.mktemp('archive')
+    build = f'from setuptools import build_meta; build_meta.build_sdist({str(folder)!r})'
+    run(sys.executable, '-c', build, cwd=source)
+    (path,) = folder.glob('*.tar.gz')
     return path
 
 
