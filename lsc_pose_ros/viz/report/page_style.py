@@ -43,8 +43,8 @@ footer { margin-top: 3rem; border-top: 1px solid var(--border); padding-top: .5r
 .headline { display: flex; gap: 1rem 3rem; flex-wrap: wrap }
 .headline b { display: block; font-size: 2rem; line-height: 1.2 }
 .headline span { color: var(--faint) }
-.scroll { overflow-x: auto; margin: 1rem 0; background:
-  linear-gradient(to left, var(--page), transparent) right / 2rem 100% no-repeat local,
+.scroll { overflow-x: auto; width: fit-content; max-width: 100%; margin: 1rem 0; background:
+  linear-gradient(to left, var(--page) 60%, transparent) right / 2rem 100% no-repeat local,
   linear-gradient(to left, var(--border), transparent) right / .8rem 100% no-repeat scroll }
 .scroll td { white-space: nowrap }
 .scroll td:first-child { white-space: normal; overflow-wrap: anywhere; min-width: 6rem }
