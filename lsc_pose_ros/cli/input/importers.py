@@ -27,6 +27,8 @@ from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.datasets.image_folder import image_frames, open_image_folder
 from lsc_pose_ros.datasets.itop import import_itop
+from lsc_pose_ros.datasets.msr_action3d import import_msr
+from lsc_pose_ros.datasets.msr_action3d_files import find_msr_sequences
 from lsc_pose_ros.datasets.ntu_rgbd import find_sequences, import_ntu
 from lsc_pose_ros.datasets.ros1_bag import Ros1Bag
 from lsc_pose_ros.errors import InputError
@@ -156,6 +158,15 @@ def _write_ntu(arguments: argparse.Namespace, writer: RecordingWriter) -> str:
     return f'{_write(import_ntu(sequences), writer)} of {len(sequences)} sequences'
 
 
+def _add_msr(parser: argparse.ArgumentParser) -> None:
+    _add_paths(parser, 'the folder below which depth and both kinds of skeletons are unpacked')
+
+
+def _write_msr(arguments: argparse.Namespace, writer: RecordingWriter) -> str:
+    sequences = find_msr_sequences(arguments.directory)
+    return f'{_write(import_msr(sequences), writer)} of {len(sequences)} sequences'
+
+
 def _add_stride(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--stride',
@@ -180,6 +191,15 @@ IMPORTERS = {
         'depth maps. Images and positions are mirrored back.',
         _add_ntu,
         _write_ntu,
+        labelled=True,
+    ),
+    'msr-action3d': Importer(
+        'MSR-Action3D: people who face a depth camera',
+        'Convert sequences of MSR-Action3D into a labelled recording: the files _sdepth.bin, '
+        '_skeleton3D.txt and _skeleton.txt. The unit of depth, the intrinsics, left and right, '
+        'and whether images are mirrored are found by comparing them.',
+        _add_msr,
+        _write_msr,
         labelled=True,
     ),
     'images': Importer(
