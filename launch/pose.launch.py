@@ -65,6 +65,7 @@ PARAMETERS = {
     'reliability': ('auto', 'best_effort', 'reliable'),
     'smoothing': BOOLEAN,
     'publish_tf': BOOLEAN,
+    'publish_ros4hri': BOOLEAN,
     'use_sim_time': BOOLEAN,
 }
 

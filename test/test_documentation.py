@@ -37,9 +37,11 @@ DOCUMENTS = [*sorted(ROOT.glob('*.md')), *DOCS, *PAGES_OF_FOLDERS]
 # Options of other programs that the documents name.
 OTHER_OPTIONS = {
     '--break-system-packages',
+    '--child-frame-id',
     '--clock',
     '--delay',
     '--draw',
+    '--frame-id',
     '--from-paths',
     '--ignore-src',
     '--memory',
@@ -63,6 +65,7 @@ OTHER_NAMES = {
     'fix_depth_scale',
     'image_proc',
     'node_names',
+    'robot_state_publisher',
     'rqt_robot_monitor',
 }
 

@@ -55,6 +55,9 @@ class TemporalEstimator:
             small stature.
         beyond_maximum: the number of bodies that were not estimated because there were larger
             ones, as many as `Estimator.maximum_bodies`.
+        labels: the label of each pixel of the last frame, after fragments of bodies were joined,
+            shape (H, W).
+        labels_of: the label of each body of the last frame, by its number.
     """
 
     def __init__(self, estimator: Estimator, settings: TemporalSettings) -> None:
@@ -68,6 +71,8 @@ class TemporalEstimator:
         self.settings = settings
         self.left_out = 0
         self.beyond_maximum = 0
+        self.labels: NDArray[np.int32] = np.zeros((0, 0), np.int32)
+        self.labels_of: dict[int, int] = {}
         self.reset()
 
     def reset(self) -> None:
@@ -108,6 +113,7 @@ class TemporalEstimator:
         settings = self.settings
         if settings.tracks(from_mask=from_mask):
             images = images._replace(labels=self._tracker.join_fragments(stamp, images))
+        self.labels = images.labels
         surfaces = surfaces_of(images)
         memory = None
         if settings.temporal:
@@ -140,8 +146,10 @@ class TemporalEstimator:
         self._newest = stamp if self._newest is None else max(stamp, self._newest)
         settings = self.settings
         skeletons = self._without_doubtful(skeletons)
+        self.labels_of = {number: number for number in skeletons.bodies.tolist()}
         if settings.tracks(from_mask=from_mask):
             skeletons = self._tracker.follow(stamp, skeletons, surfaces)
+            self.labels_of = self._tracker.labels_of(stamp)
         if settings.smoothing:
             smoothing = OneEuroSettings(settings.smoothing_cutoff, settings.smoothing_beta)
             skeletons = self._filter.filter(stamp, skeletons, smoothing)

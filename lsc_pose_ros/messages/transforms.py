@@ -15,6 +15,7 @@
 
 """Computes the TF frames of skeletons, with the names and axes of REP-155."""
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -44,9 +45,12 @@ class Transform(NamedTuple):
 
 
 def skeleton_transforms(
-    skeletons: Skeletons, frame_id: str, minimum_confidence: float = 0.0
+    skeletons: Skeletons,
+    frame_id: str,
+    minimum_confidence: float = 0.0,
+    identify: Callable[[int], str] = str,
 ) -> list[Transform]:
-    """Return the frames of all bodies: `body_<number>`, and in it one for each joint.
+    """Return the frames of all bodies: `body_<id>`, and in it one for each joint.
 
     The body's frame lies midway between the hips, x forward, z towards the head; the joints'
     frames have its axes. The joints of a body whose hips are unknown lie in the camera's frame.
@@ -55,12 +59,14 @@ def skeleton_transforms(
         skeletons: the bodies.
         frame_id: the camera's optical frame.
         minimum_confidence: joints with less confidence are left out, as are joints with NaN.
+        identify: returns the id of the body with a number.
     """
     names = names_of(skeletons.joints)
     transforms: list[Transform] = []
-    for row, body in enumerate(skeletons.bodies.tolist()):
-        confident = skeletons.confidence[row] >= minimum_confidence
-        positions = np.where(confident[:, None], skeletons.positions[row], np.float32(np.nan))
+    for number, positions in zip(
+        skeletons.bodies.tolist(), confident_positions(skeletons, minimum_confidence), strict=True
+    ):
+        body = identify(number)
         parent, child_positions = frame_id, positions.astype(np.float64)
         frame = body_frame(skeletons.joints, positions)
         if frame is not None:
@@ -76,6 +82,12 @@ def skeleton_transforms(
             if np.isfinite(position).all()
         ]
     return transforms
+
+
+def confident_positions(skeletons: Skeletons, minimum_confidence: float) -> NDArray[np.float32]:
+    """Return the positions of the joints, NaN if they have less confidence, shape (B, J, 3)."""
+    confident = skeletons.confidence >= minimum_confidence
+    return np.where(confident[..., None], skeletons.positions, np.float32(np.nan))
 
 
 def _numbers(values: NDArray[np.float64]) -> tuple[float, ...]:

@@ -33,12 +33,18 @@ CAMERA_INFO = 'sensor_msgs/msg/CameraInfo'
 REGION_OF_INTEREST = 'sensor_msgs/msg/RegionOfInterest'
 POINT_CLOUD = 'sensor_msgs/msg/PointCloud2'
 POINT_FIELD = 'sensor_msgs/msg/PointField'
+JOINT_STATE = 'sensor_msgs/msg/JointState'
 
 MARKER = 'visualization_msgs/msg/Marker'
 MARKER_ARRAY = 'visualization_msgs/msg/MarkerArray'
 MESH_FILE = 'visualization_msgs/msg/MeshFile'
 
 TF_MESSAGE = 'tf2_msgs/msg/TFMessage'
+
+IDS_LIST = 'hri_msgs/msg/IdsList'
+NORMALIZED_POINT = 'hri_msgs/msg/NormalizedPointOfInterest2D'
+NORMALIZED_REGION = 'hri_msgs/msg/NormalizedRegionOfInterest2D'
+SKELETON_2D = 'hri_msgs/msg/Skeleton2D'
 
 
 def full_type_name(name: str) -> str:

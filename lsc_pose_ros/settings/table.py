@@ -404,7 +404,7 @@ class DrawingSettings:
 
 @dataclass(frozen=True)
 class TransformSettings:
-    """Whether the node publishes transforms."""
+    """What else the node publishes."""
 
     publish_tf: bool = setting(
         default=False,
@@ -412,6 +412,15 @@ class TransformSettings:
         command_line=False,
         details='REP-155 names the frames: head_1, l_elbow_1 and, midway between the hips, '
         'body_1 for the body number 1. It needs the package tf2_msgs.',
+    )
+    publish_ros4hri: bool = setting(
+        default=False,
+        description='Publish the bodies below /humans/bodies, too, for programs of ROS4HRI.',
+        command_line=False,
+        details='REP-155 names the topics: /humans/bodies/tracked lists the ids, and the body '
+        'number 1 has the id b1 and the topics /humans/bodies/b1/roi, skeleton2d and '
+        'joint_states. The frames of publish_tf then end in the id: body_b1. It needs the package '
+        'hri_msgs.',
     )
 
 
@@ -422,7 +431,7 @@ SECTIONS: dict[str, tuple[type, ...]] = {
     'Segmentation': (SegmentationSettings, MaskSettings),
     'Tracking and smoothing': (TemporalSettings,),
     'Topics': (SynchronizationSettings, SubscriptionSettings),
-    'Markers and transforms': (DrawingSettings, TransformSettings),
+    'Markers, transforms and ROS4HRI': (DrawingSettings, TransformSettings),
 }
 """The titles under which the documents list the groups of settings."""
 

@@ -126,6 +126,12 @@ class Tracker:
         self._largest = 0
         self._limbs = np.zeros((0, 2), np.int32)
 
+    def labels_of(self, stamp: int) -> dict[int, int]:
+        """Return the labels of the bodies that were seen at `stamp`, by their numbers."""
+        return {
+            number: track.label for number, track in self._tracks.items() if track.stamp == stamp
+        }
+
     def join_fragments(self, stamp: int, images: ImageArguments) -> NDArray[np.int32]:
         """Return the labels of a frame, with fragments of known bodies given to these, (H, W).
 

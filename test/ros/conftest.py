@@ -30,3 +30,4 @@ if importlib.util.find_spec('rclpy') is not None:
         start_node,
         start_program,
     )
+    from message_package import hri_packages  # noqa: F401

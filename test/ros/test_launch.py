@@ -268,6 +268,7 @@ def test_rviz_is_not_started_by_default(launch_file: ModuleType) -> None:
         ('rviz', ''),
         ('smoothing', 'on'),
         ('publish_tf', '2'),
+        ('publish_ros4hri', 'yes'),
         ('use_sim_time', 'sometimes'),
         ('segmentation', 'guess'),
         ('rectified', 'True'),
@@ -305,8 +306,10 @@ def test_arguments_set_the_parameters_of_the_node(launch_file: ModuleType) -> No
         'mask_transport': 'compressed',
         'reliability': 'best_effort',
     }
-    node, _ = started(launch_file, **texts, smoothing='true', publish_tf='1', use_sim_time='False')
-    booleans = {'smoothing': True, 'publish_tf': True, 'use_sim_time': False}
+    words = {'smoothing': 'true', 'publish_tf': '1', 'publish_ros4hri': 'True'}
+    node, _ = started(launch_file, **texts, **words, use_sim_time='False')
+    booleans = {'smoothing': True, 'publish_tf': True, 'publish_ros4hri': True}
+    booleans |= {'use_sim_time': False}
     assert set_in(node) == texts | booleans
 
 

@@ -75,6 +75,14 @@ def test_numbers_persist_if_the_mask_renumbers(tracker):
         assert found == {body: round(x, 3) for body, x in enumerate(places.tolist(), 1)}
 
 
+def test_labels_of_the_bodies_of_a_frame(tracker):
+    tracker.follow(START, people({1: 0.0, 2: 1.0, 3: 2.5}))
+    assert tracker.labels_of(START) == {1: 1, 2: 2, 3: 3}
+    tracker.follow(START + FRAME, people({5: 1.0, 9: 0.0}))
+    assert tracker.labels_of(START + FRAME) == {1: 9, 2: 5}
+    assert tracker.labels_of(START) == {3: 3}  # the body that was last seen then
+
+
 def test_joints_and_confidence_stay_with_their_body(tracker):
     tracker.follow(START, people({1: 0.0, 2: 1.0}))
     swapped = people({1: 1.0, 2: 0.0})

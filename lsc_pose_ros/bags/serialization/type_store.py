@@ -38,7 +38,11 @@ def message_class(type_name: str) -> Any:  # noqa: ANN401
     return typestore().types[type_name]
 
 
-ROSBAGS_CLASSES = MessageClasses(message_class, lambda data: np.frombuffer(data, np.uint8))
+ROSBAGS_CLASSES = MessageClasses(
+    message_class,
+    lambda data: np.frombuffer(data, np.uint8),
+    lambda numbers: np.array(numbers, np.float64),
+)
 """The message classes of rosbags, for the functions of `messages.build`."""
 
 

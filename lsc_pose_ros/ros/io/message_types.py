@@ -34,8 +34,8 @@ _INDEX = Path('share', 'ament_index', 'resource_index', 'rosidl_interfaces')
 """The folder of an installation with one file for each package that has messages."""
 
 _OWN_PACKAGES = frozenset({
-    'builtin_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'rosgraph_msgs', 'sensor_msgs',
-    'std_msgs', 'tf2_msgs', 'visualization_msgs',
+    'builtin_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'hri_msgs', 'rosgraph_msgs',
+    'sensor_msgs', 'std_msgs', 'tf2_msgs', 'visualization_msgs',
 })  # fmt: skip
 """The packages that this package itself names, which may be installed without an index."""
 
@@ -84,5 +84,9 @@ def _installations() -> list[Path]:
     return [*map(Path, filter(os.path.isabs, sourced)), folders[1], folders[4]]
 
 
-RCLPY_CLASSES = MessageClasses(message_class, lambda data: array.array('B', data))
+RCLPY_CLASSES = MessageClasses(
+    message_class,
+    lambda data: array.array('B', data),
+    lambda numbers: array.array('d', numbers),
+)
 """The message classes of rclpy, for the functions of `messages.build`."""

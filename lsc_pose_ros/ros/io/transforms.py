@@ -18,6 +18,7 @@
 The package tf2_msgs is needed only for this, so it is imported only if publish_tf is set.
 """
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from rclpy.node import Node
@@ -41,16 +42,18 @@ _QUEUE_DEPTH = 100
 class TransformPublisher:
     """Publishes on /tf between `open` and `close`."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Node, identify: Callable[[int], str] = str) -> None:
         """Look for the message class; `open` creates the publisher.
 
         Args:
             node: the node that publishes.
+            identify: returns the id of the body with a number, which ends the names of frames.
 
         Raises:
             InputError: tf2_msgs is not installed.
         """
         self._node = node
+        self._identify = identify
         self._message_class = message_class(TF_MESSAGE)
         self._publisher: Publisher | None = None
         if self._message_class is None:
@@ -85,6 +88,6 @@ class TransformPublisher:
             skeletons: the bodies.
             minimum_confidence: joints with less confidence are left out.
         """
-        transforms = skeleton_transforms(skeletons, frame_id, minimum_confidence)
+        transforms = skeleton_transforms(skeletons, frame_id, minimum_confidence, self._identify)
         if transforms and self._publisher is not None:
             self._publisher.publish(build_transforms(RCLPY_CLASSES, stamp, transforms))

@@ -25,6 +25,7 @@ from rclpy.node import Node
 from lsc_pose_ros.camera.roll import in_camera_frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.estimation.temporal import TemporalEstimator
+from lsc_pose_ros.messages.human_bodies import BodyImage
 from lsc_pose_ros.pose.stage_clock import StageClock
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
@@ -149,7 +150,10 @@ class Pipeline:
         self._diagnostics.measurements.add_stages(clock.seconds)
         skeletons = in_camera_frame(skeletons, frame.roll)
         with stage('publish'):
-            self._outputs.publish(frame.stamp, frame.frame_id, skeletons)
+            estimator = self._temporal_estimator
+            found = frame._replace(labels=estimator.labels)
+            image = BodyImage.of(found, estimator.labels_of)
+            self._outputs.publish(frame.stamp, frame.frame_id, skeletons, image)
         self._diagnostics.count_estimate(frame.stamp, len(skeletons.bodies))
         self._count_bodies()
 

@@ -16,7 +16,7 @@
 """A node with `Outputs` and `Diagnostics` alone, which plays the part of the rest.
 
 outputs_program.py OPTIONS, in JSON:
-    publish_tf, minimum_confidence, marker_lifetime: the parameters.
+    publish_tf, publish_ros4hri, minimum_confidence, marker_lifetime: the parameters.
     scenes: what is published, each the numbers of the bodies that are seen.
     latency: how old the stamps are, seconds.
     failures: how many frames fail after that.
@@ -34,15 +34,19 @@ from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.joints import numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.messages.human_bodies import BodyImage
 from lsc_pose_ros.ros.health.diagnostics import Diagnostics
 from lsc_pose_ros.ros.health.stream_warnings import Counters
 from lsc_pose_ros.ros.io.outputs import Outputs
 from lsc_pose_ros.settings.table import NodeSettings
 
 FRAME_ID = 'camera_optical'
+# Nobody has a pixel in it.
+IMAGE = BodyImage(np.full((120, 160), -1, np.int32), Intrinsics(150.0, 150.0, 80.0, 60.0), {})
 EDGES = np.array([[1, 0], [1, 2]], np.int32)
 PERIOD = 1 / 30
 
@@ -82,7 +86,12 @@ def main() -> int:
     options = json.loads(sys.argv.pop(1))
     rclpy.init(args=sys.argv)
     node = Node('program')
-    names = {'publish_tf', 'minimum_confidence', 'marker_lifetime'} & options.keys()
+    names = {
+        'publish_tf',
+        'publish_ros4hri',
+        'minimum_confidence',
+        'marker_lifetime',
+    } & options.keys()
     parameters = NodeSettings(**{name: options[name] for name in names})
     try:
         outputs = Outputs(node, parameters, EDGES)
@@ -90,7 +99,7 @@ def main() -> int:
         sys.stdout.write(f'{error}\n')
         return 2
     outputs.warm_up(skeletons([1]))
-    outputs.publish(0, FRAME_ID, skeletons([1]))  # nobody may hear of it
+    outputs.publish(0, FRAME_ID, skeletons([1]), IMAGE)  # nobody may hear of it
     for _ in range(2):  # as after deactivation
         outputs.open()
         outputs.close()
@@ -107,7 +116,7 @@ def main() -> int:
         counted['pairs'] += 1
         with diagnostics.measurements.stage('estimate'):
             time.sleep(0.005)
-        outputs.publish(stamp, FRAME_ID, skeletons(scene))
+        outputs.publish(stamp, FRAME_ID, skeletons(scene), IMAGE)
         diagnostics.count_estimate(stamp, len(scene))
 
     def step() -> None:

@@ -189,6 +189,7 @@ WHILE_UNCONFIGURED = {
     'sync_queue': 5,
     'body_ids': 'tracked',
     'publish_tf': True,
+    'publish_ros4hri': True,
 }
 
 
@@ -458,6 +459,19 @@ def test_transforms_without_their_package(spawn_node: Callable[..., Program]) ->
     assert node.exit_status() == 2
     assert (
         'pose_node: error: parameter publish_tf: the package tf2_msgs is not installed'
+        in node.output
+    )
+    assert 'Traceback' not in node.output
+
+
+@pytest.mark.skipif(
+    importlib.util.find_spec('hri_msgs') is not None, reason='hri_msgs is installed'
+)
+def test_ros4hri_without_its_package(spawn_node: Callable[..., Program]) -> None:
+    node = spawn_node(publish_ros4hri='true')
+    assert node.exit_status() == 2
+    assert (
+        'pose_node: error: parameter publish_ros4hri: the package hri_msgs is not installed'
         in node.output
     )
     assert 'Traceback' not in node.output
