@@ -38,7 +38,7 @@ from lsc_pose_ros.camera.transform_tree import TransformTree
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.messages.image_pixels import AnyImage
+from lsc_pose_ros.messages.image_pixels import AnyImage, describe_image
 from lsc_pose_ros.messages.parse import StampedCamera, StampedImage
 from lsc_pose_ros.messages.rectification import ImageSource
 from lsc_pose_ros.messages.stamps import NANOSECONDS
@@ -61,6 +61,8 @@ _MOST_PEEKED = 5000
 # The end of the names of topics with static transforms.
 _STATIC = 'tf_static'
 
+_MOST_KINDS_OF_IMAGES = 5
+
 _FIND_ALL = Topics()
 _DEFAULT_SETTINGS = FrameSettings()
 
@@ -79,6 +81,7 @@ class FrameReader:
         camera: how the last camera info was read: which matrix was taken, and why.
         roll: which roll of the camera was taken, and why.
         bodies: how the bodies of the last frame were found.
+        images: what the depth images are: size, encoding and frame, each kind once.
     """
 
     def __init__(self, messages: RecordingReader, topics: Topics, settings: FrameSettings) -> None:
@@ -89,6 +92,7 @@ class FrameReader:
         self.topics = topics
         self.warnings = messages.warnings
         self.camera = self.roll = self.bodies = ''
+        self.images: list[str] = []
 
     @property
     def count(self) -> int | None:
@@ -102,6 +106,13 @@ class FrameReader:
             return frozenset()
         topics = self._messages.topics
         return frozenset(name for name, each in topics.items() if each.type_name == TF_MESSAGE)
+
+    def _note_image(self, image: AnyImage, frame: Frame) -> None:
+        """Remember what the depth image of a frame, which is upright, is."""
+        shape = frame.depth.shape
+        text = describe_image(image, shape[::-1] if frame.roll % 180 else shape)
+        if text not in self.images and len(self.images) < _MOST_KINDS_OF_IMAGES:
+            self.images.append(text)
 
     @property
     def statistics(self) -> ReadStatistics:
@@ -126,6 +137,7 @@ class FrameReader:
                 continue
             self.camera, self.roll = maker.camera, maker.roll_finder.choice
             self.bodies = maker.bodies
+            self._note_image(parts.depth, frame)
             usable += 1
             yield frame
         self.warnings.extend([*maker.warnings, *reading.warnings()])

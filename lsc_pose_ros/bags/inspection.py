@@ -49,6 +49,7 @@ class RecordingReport(NamedTuple):
         frames: the number of complete frames: depth image, camera info, mask if there is one.
         labelled_frames: the number of frames with ground truth.
         frame_topics: the topics of the frames, by their role.
+        images: the size, encoding and frame of the depth images, each kind once.
         camera: how the camera infos were read; '' without frames.
         camera_roll: which roll of the camera was taken, and why; '' without frames.
         warnings: a sentence for each problem.
@@ -64,6 +65,7 @@ class RecordingReport(NamedTuple):
     frames: int
     labelled_frames: int
     frame_topics: dict[str, str]
+    images: list[str]
     camera: str
     camera_roll: str
     warnings: list[str]
@@ -133,6 +135,7 @@ class Inspection:
             frames=self._frame_count,
             labelled_frames=self._labelled,
             frame_topics={name: topic for name, topic in used._asdict().items() if topic},
+            images=list(self._frames.images) if self._frames is not None else [],
             camera=self._frames.camera if self._frames is not None else '',
             camera_roll=self._frames.roll if self._frames is not None else '',
             warnings=[*reader.warnings, *self._without_frames],

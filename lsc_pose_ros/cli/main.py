@@ -22,7 +22,7 @@ import os
 import sys
 import traceback
 from collections.abc import Sequence
-from contextlib import nullcontext, redirect_stdout
+from contextlib import nullcontext, redirect_stdout, suppress
 from typing import NamedTuple, Protocol, cast
 
 from lsc_pose_ros import __version__
@@ -236,7 +236,8 @@ def _is_of_an_interrupt(error: BaseException) -> bool:
 
 def _complain(message: str) -> None:
     """Print `message` on stderr as one line, without its line breaks."""
-    print(f'{PROGRAM}: error: {" ".join(message.split())}', file=sys.stderr)
+    with suppress(BrokenPipeError):  # nobody reads it, which does not change the status
+        print(f'{PROGRAM}: error: {" ".join(message.split())}', file=sys.stderr, flush=True)
 
 
 def _silence_stdout() -> None:

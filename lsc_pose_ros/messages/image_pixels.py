@@ -34,6 +34,17 @@ from lsc_pose_ros.messages.parse import StampedCompressedImage, StampedImage
 AnyImage: TypeAlias = StampedImage | StampedCompressedImage
 
 
+def describe_image(image: AnyImage, shape: tuple[int, ...]) -> str:
+    """Return the size, the encoding and the frame of an image in words.
+
+    Args:
+        image: the message.
+        shape: height and width, which the message of a compressed image does not tell.
+    """
+    encoding = image.layout.encoding if isinstance(image, StampedImage) else image.format
+    return f'{shape[1]}x{shape[0]}, {encoding!r:.60}, frame {image.frame_id!r:.60}'
+
+
 def depth_of(image: AnyImage) -> NDArray[np.float32]:
     """Return a depth image in metres, shape (H, W), 0 for pixels without depth.
 

@@ -17,6 +17,7 @@
 
 import argparse
 import json
+import re
 
 import pytest
 
@@ -37,12 +38,14 @@ def test_recording(labelled_recording, tmp_path, capsys):
     assert 'frames     10, labelled 10' in printed
     assert '/ground_truth/skeletons       10  sensor_msgs/msg/PointCloud2' in printed
     assert 'start      2023-11-14T22:13:20' in printed
+    assert "images     64x48, '16UC1', frame 'camera_depth_optical'" in printed
     assert 'warning' not in printed
     report = json.loads((tmp_path / 'info.json').read_text())
     assert (report['kind'], report['messages'], report['frames']) == ('recording', 40, 10)
     assert report['duration_s'] == pytest.approx(0.3, abs=0.001)
     assert report['size_bytes'] == labelled_recording.stat().st_size
     assert report['frame_topics']['ground_truth'] == '/ground_truth/skeletons'
+    assert report['images'] == ["64x48, '16UC1', frame 'camera_depth_optical'"]
     assert report['warnings'] == []
     assert report['topics'][0] == {
         'name': '/depth/camera_info',
@@ -117,4 +120,7 @@ def test_model_of_the_package_by_its_name(
         info('front')
     (shipped / 'front.npz').write_bytes(small_model_file.read_bytes())
     assert info('front') == 0
-    assert f'model        {shipped / "front.npz"}' in capsys.readouterr().out
+    printed = capsys.readouterr().out
+    assert re.search(rf'^model +{shipped / "front.npz"}$', printed, re.MULTILINE)
+    size = small_model_file.stat().st_size
+    assert re.search(rf'^size +{size * 1e-6:.1f} MB$', printed, re.MULTILINE)

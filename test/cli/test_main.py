@@ -229,6 +229,19 @@ def test_closed_pipe_is_no_error() -> None:
     assert (process.returncode, complaint) == (cli.PIPE_CLOSED, b'')
 
 
+def test_error_that_nobody_reads_keeps_its_status() -> None:
+    # `lsc_pose ... 2>&1 | true`: the reader has left.
+    with subprocess.Popen(
+        [sys.executable, '-m', 'lsc_pose_ros', 'info', 'nothing.mcap'],
+        cwd=ROOT,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+    assert process.returncode == cli.BAD_INPUT
+
+
 def test_progress_is_silent_without_a_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     assert list(progress(iter('abc'), 3, 'reading')) == ['a', 'b', 'c']
     assert capsys.readouterr() == ('', '')

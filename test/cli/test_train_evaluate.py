@@ -15,8 +15,11 @@
 
 """`lsc_pose train` and `lsc_pose evaluate`, and what they say of bad input."""
 
+import argparse
 import json
 import re
+from datetime import datetime, timedelta, timezone
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +27,8 @@ import pytest
 
 from lsc_pose_ros import __version__
 from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.cli.commands import train_command
+from lsc_pose_ros.cli.input.labelled_frames import add_recording_arguments
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
@@ -77,12 +82,50 @@ def test_train_writes_a_model_and_its_figures(recordings, tmp_path, capsys):
     assert found.joints.tolist() == [0, 1, 9]
     assert found.provenance['recordings'] == 'learn.mcap, bag'
     assert found.provenance['seed'] == '7'
+    assert_made_as_told(found.provenance)
     results = json.loads(figures.read_text())
     assert results['people'] == 170
     assert results['points'] == 170 * 120
     assert results['calibrated'] is True
     assert results['bytes'] == path.stat().st_size
     assert sorted(p.name for p in tmp_path.iterdir()) == ['figures.json', 'me.npz']
+
+
+def assert_made_as_told(provenance):
+    """The model knows all that its training was told, and with which software, and when."""
+    age = datetime.now(timezone.utc) - datetime.fromisoformat(provenance['date'])
+    assert timedelta(0) <= age < timedelta(hours=1)
+    for package in ('numpy', 'numba'):
+        assert f'{package} {version(package)}' in provenance['packages']
+    parser = argparse.ArgumentParser()
+    train_command.add_arguments(parser)
+    words = provenance['training settings'].split()
+    again = vars(parser.parse_args(['learn.mcap', '-o', 'me.npz', *words]))
+    told = vars(parser.parse_args(['learn.mcap', '-o', 'me.npz', *SMALL, '--seed', '7']))
+    assert again == told
+    # Also those that the training was not told: the defaults of a later program may differ.
+    named = {word.removeprefix('--').replace('-', '_') for word in words if word[:2] == '--'}
+    others = {'recordings', 'output', 'json', 'calibrate', 'settings', 'mirror', 'body_yaw'}
+    frames = {action.dest for action in frame_options()}
+    assert {*told} - others - frames == named
+
+
+def frame_options():
+    parser = argparse.ArgumentParser()
+    add_recording_arguments(parser)
+    return parser._actions
+
+
+def test_the_same_date_makes_the_same_model(recordings, tmp_path, monkeypatch):
+    monkeypatch.setenv('SOURCE_DATE_EPOCH', '1700000000')
+    made = []
+    for name in ('one.npz', 'other.npz'):
+        words = ['train', recordings[1], '-o', str(tmp_path / name), *SMALL]
+        assert main(words) == 0
+        made.append((tmp_path / name).read_bytes())
+    assert made[0] == made[1]
+    date = load_model(tmp_path / 'one.npz').provenance['date']
+    assert date == '2023-11-14T22:13:20+00:00'
 
 
 def test_train_learns_from_noisy_depth_and_from_the_mirror_as_it_is_told(recordings, tmp_path):

@@ -88,8 +88,9 @@ def _describe_model(path: Path) -> dict[str, Any]:
     from lsc_pose_ros.model_io.model_file import describe_model, load_model  # noqa: PLC0415
 
     description = describe_model(load_model(path))
-    print(f'model        {path}')
     width = max(map(len, description), default=0)
+    print(f'{"model":{width}}  {path}')
+    description = {'size': f'{path.stat().st_size * 1e-6:.1f} MB', **description}
     for name, value in description.items():
         print(f'{name:{width}}  {value}')
     return {'kind': 'model', 'path': str(path), **description}
@@ -118,6 +119,7 @@ def _print_recording(report: RecordingReport) -> None:
     print(f'made of    {frame_topics or "-"}')
     if report.frames and not report.frame_topics.get('mask'):
         print(f'masks      none are used; --segmentation {_NO_MASK} finds people without')
+    print(f'images     {"; ".join(report.images) or "-"}')
     print(f'camera     {report.camera or "-"}')
     print(f'roll       {report.camera_roll or "-"}')
     print('topics')

@@ -35,10 +35,11 @@ from lsc_pose_ros.cli.options.training_options import (
     LEAF_OPTIONS,
     add_memory_option,
     add_training_options,
-    changed_settings,
+    all_settings,
     training_settings,
 )
 from lsc_pose_ros.cli.output.json_file import write_json
+from lsc_pose_ros.cli.output.machine import utc_date, versions
 from lsc_pose_ros.cli.output.progress import REPORTER
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS
 from lsc_pose_ros.errors import InputError
@@ -134,9 +135,11 @@ def _provenance(arguments: argparse.Namespace, training: TrainingSettings) -> di
     return {
         'recordings': ', '.join(path.name for path in arguments.recordings),
         'program': f'lsc_pose_ros {__version__}',
+        'packages': ', '.join(f'{name} {version}' for name, version in versions().items()),
+        'date': utc_date(),
         'seed': str(training.seed),
         'mirrored': 'yes' if training.mirror else 'no',
-        'training settings': changed_settings(arguments) or 'those of the program',
+        'training settings': all_settings(arguments),
     }
 
 

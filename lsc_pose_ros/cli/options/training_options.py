@@ -283,15 +283,19 @@ def training_settings(arguments: argparse.Namespace) -> TrainingSettings:
     return training._replace(hold_out=0.0) if arguments.calibrate else training
 
 
-def changed_settings(arguments: argparse.Namespace) -> str:
-    """Return the options whose values are not the defaults of the program, as words."""
-    changed = [
-        f'--{option.name} {value}'
-        for option in _OPTIONS
-        if (value := getattr(arguments, option.name.replace('-', '_'))) != option.default
-    ]
-    changed += [f'--{name}' for name in ('mirror', 'body-yaw') if vars(arguments)[_field(name)]]
-    return ' '.join(changed)
+def all_settings(arguments: argparse.Namespace) -> str:
+    """Return the options of the training with their values, as words that repeat it.
+
+    The values are stored, because the defaults of the program may change.
+    """
+    values = vars(arguments)
+    words = [f'--{option.name} {values[_field(option.name)]}' for option in _OPTIONS]
+    if arguments.calibrate:  # excludes --hold-out
+        words.remove(f'--{HOLD_OUT_OPTION.name} {arguments.hold_out}')
+        words.append(f'--calibrate {" ".join(path.name for path in arguments.calibrate)}')
+    words += [f'--memory {arguments.memory:g}', f'--seed {arguments.seed}']
+    words += [f'--{name}' for name in ('mirror', 'body-yaw') if values[_field(name)]]
+    return ' '.join([*words, '--joints', *arguments.joints])
 
 
 def _field(option: str) -> str:

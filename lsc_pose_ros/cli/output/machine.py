@@ -13,10 +13,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Describes the computer on which times were measured."""
+"""Describes the computer, the software and the day of a training or a measurement."""
 
 import os
 import platform
+from datetime import datetime, timezone
 from pathlib import Path
 
 import numba
@@ -44,6 +45,21 @@ def versions() -> dict[str, str]:
         'numpy': np.__version__,
         'numba': numba.__version__,
     }
+
+
+def utc_date() -> str:
+    """Return the time in UTC as ISO 8601: now, or that of the variable SOURCE_DATE_EPOCH.
+
+    With this variable (reproducible-builds.org), the same work makes the same file again.
+    """
+    seconds = os.environ.get('SOURCE_DATE_EPOCH', '')
+    given = int(seconds) if seconds.isdecimal() else None
+    moment = (
+        datetime.now(timezone.utc)
+        if given is None
+        else datetime.fromtimestamp(given, timezone.utc)
+    )
+    return moment.isoformat(timespec='seconds')
 
 
 def _processor() -> str:
