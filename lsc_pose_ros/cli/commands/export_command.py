@@ -88,6 +88,11 @@ def run(arguments: argparse.Namespace) -> int:
             f'{arguments.frame} at their time',
             file=sys.stderr,
         )
+    if sequence.damaged:
+        print(
+            f'lsc_pose: warning: {sequence.damaged} messages of {sequence.topic} cannot be read',
+            file=sys.stderr,
+        )
     print(
         f'{arguments.output}: {len(sequence.stamps)} bodies of {len(set(sequence.bodies))} '
         f'numbers, {len(sequence.joints)} joints of {sequence.topic}, in {sequence.frame_id}'

@@ -47,6 +47,7 @@ class JointSequence(NamedTuple):
         positions: metres, NaN if unknown, shape (N, J, 3).
         confidence: shape (N, J).
         without_pose: how many bodies were left out, because TF does not know the frame then.
+        damaged: how many messages were left out, because they cannot be read.
     """
 
     topic: str
@@ -57,6 +58,7 @@ class JointSequence(NamedTuple):
     positions: NDArray[np.float64]
     confidence: NDArray[np.float64]
     without_pose: int
+    damaged: int
 
 
 def read_joint_sequence(
@@ -71,7 +73,8 @@ def read_joint_sequence(
         frame: the frame of the positions, found by TF; '' for that of the camera.
 
     Raises:
-        InputError: there are no skeletons, or none in this frame.
+        InputError: there are no skeletons, or none in this frame, or they are in several frames
+            and none is asked for.
     """
     topic = topic or find_skeletons_topic(recording, '', ground_truth) or ground_truth
     if not topic:
@@ -79,12 +82,19 @@ def read_joint_sequence(
         raise InputError(msg)
     history = read_transform_history(recording, _LONGEST_GAP) if frame else None
     rows: list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]] = []
-    frame_id, without_pose = frame, 0
+    frame_id, without_pose, damaged = frame, 0, 0
     for message in recording.select({topic}):
         try:
             stamp, source, skeletons = read_as(message.data, POINT_CLOUD, parse_framed_skeletons)
         except DamagedMessageError:
+            damaged += 1
             continue
+        if not frame and frame_id not in {'', source}:
+            msg = (
+                f'{recording.path}: the skeletons of {topic} are in the frames {frame_id} and '
+                f'{source}; choose one with --frame'
+            )
+            raise InputError(msg)
         frame_id = frame or source
         skeletons = with_all_joints(skeletons)._replace(confidence=_confidence(skeletons))
         pose = history.lookup(frame, source, stamp) if history is not None else None
@@ -99,7 +109,7 @@ def read_joint_sequence(
         reason = f'TF does not know {frame} then' if without_pose else 'no body was found'
         msg = f'{recording.path}: {topic} has nothing to export: {reason}'
         raise InputError(msg)
-    return _sequence(topic, frame_id, rows, without_pose)
+    return _sequence(topic, frame_id, rows, without_pose, damaged)
 
 
 def _confidence(skeletons: Skeletons) -> NDArray[np.float32]:
@@ -115,6 +125,7 @@ def _sequence(
     frame_id: str,
     rows: list[tuple[int, int, NDArray[np.float64], NDArray[np.float64]]],
     without_pose: int,
+    damaged: int,
 ) -> JointSequence:
     rows.sort(key=lambda row: row[:2])
     positions = np.array([row[2] for row in rows])
@@ -128,4 +139,5 @@ def _sequence(
         positions[:, used],
         np.array([row[3] for row in rows])[:, used],
         without_pose,
+        damaged,
     )
