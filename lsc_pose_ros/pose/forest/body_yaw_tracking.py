@@ -53,11 +53,14 @@ class BodyYawBelief(NamedTuple):
         belief: in each of the model's body yaws, 0 for the best one, less for the others, shape
             (n,).
         agreement: of the votes at the best one.
+        doubtful: whether the frame alone says another one, not beside it. Then all are tried
+            again in the next frame, until one of the two is believed.
     """
 
     yaw: float
     belief: NDArray[np.float64]
     agreement: float
+    doubtful: bool = False
 
 
 def carry_over(belief: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -95,7 +98,8 @@ def follow_body_yaw(
         scale: rho_bar, metres.
         before: after the frame before; None for a new person. It does not count if it has another
             number of body yaws.
-        all_round: whether all body yaws are tried, or only those beside the one before.
+        all_round: whether all body yaws are tried, or only those beside the one before if that is
+            not doubtful.
     """
     body_yaws = body_yaws_around(model.settings.body_yaws)
     some = few_points(points, quantised)
@@ -107,7 +111,7 @@ def follow_body_yaw(
         return _belief(belief, rough, best)
     carried = carry_over(before.belief)
     expected = int(np.argmax(before.belief))
-    if not all_round:
+    if not all_round and not before.doubtful:
         near = np.arange(expected - 1, expected + 2) % len(body_yaws)
         tried = agreements(model, *some, scale, body_yaws[near])
         # The others agree no better than these: else the agreement would have dropped.
@@ -124,4 +128,6 @@ def _belief(belief: NDArray[np.float64], rough: NDArray[np.float64], best: int) 
     count = len(belief)
     yaw = float(body_yaws_around(count)[best] + peak_beside(rough, best) * 2 * np.pi / count)
     bounded = np.maximum(belief - belief.max(), -LARGEST_DOUBT)
-    return BodyYawBelief(yaw, bounded, float(rough[best]))
+    steps = abs(int(np.argmax(rough)) - best)
+    doubtful = min(steps, count - steps) > 1
+    return BodyYawBelief(yaw, bounded, float(rough[best]), doubtful)
