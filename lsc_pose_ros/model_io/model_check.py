@@ -54,11 +54,26 @@ def check_model(model: Model) -> None:
         msg = 'its limb lengths do not fit its edges'
         raise UnusableModelError(msg)
     _check_calibration(model.calibration, count)
-    leaves = len(model.forest.joint_votes.start) - 1
-    _check_nodes(model.forest, model.feature_size, leaves)
-    _check_depth(model.forest)
-    _check_votes(model.forest.joint_votes, leaves, count)
-    _check_votes(model.forest.pair_votes, leaves, len(edges))
+    check_forest(model.forest, model.feature_size, count, len(edges))
+
+
+def check_forest(forest: Forest, features: int, joints: int, edges: int) -> None:
+    """Check every index in `forest`.
+
+    Args:
+        forest: the forest.
+        features: the number of features that its nodes may compare.
+        joints: the number of joints.
+        edges: the number of pairs of joints.
+
+    Raises:
+        UnusableModelError: an index leads outside of its array, or a number is none.
+    """
+    leaves = len(forest.joint_votes.start) - 1
+    _check_nodes(forest, features, leaves)
+    _check_depth(forest)
+    _check_votes(forest.joint_votes, leaves, joints)
+    _check_votes(forest.pair_votes, leaves, edges)
 
 
 def _check_calibration(calibration: NDArray[np.float32], count: int) -> None:

@@ -31,6 +31,13 @@ from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.training.body_yaw_labels import left_right_columns, write_body_yaws
 from lsc_pose_ros.training.calibration import calibrate
+from lsc_pose_ros.training.checkpoint import (
+    Checkpoint,
+    FinishedTree,
+    Limits,
+    NoCheckpoint,
+    training_key,
+)
 from lsc_pose_ros.training.criterion import (
     ENTROPY,
     SPREAD,
@@ -46,7 +53,7 @@ from lsc_pose_ros.training.samples import (
     sample_limit,
     split_samples,
 )
-from lsc_pose_ros.training.tree_growth import GrowthSettings, Tree, grow_tree, join_trees
+from lsc_pose_ros.training.tree_growth import GrowthSettings, grow_tree, join_trees
 
 GIBIBYTE = 1 << 30
 
@@ -84,12 +91,15 @@ class TrainingSettings(NamedTuple):
 
 Progress = Callable[[str], None]
 
+_NO_CHECKPOINT = NoCheckpoint()
+
 
 def train(
     frames: Iterable[Frame],
     training: TrainingSettings,
     provenance: dict[str, str],
     progress: Progress = lambda _step: None,
+    checkpoint: Checkpoint = _NO_CHECKPOINT,
 ) -> Model:
     """Return a model trained on all labelled people in `frames`.
 
@@ -98,6 +108,7 @@ def train(
         training: the settings.
         provenance: stored in the model, as information for its users.
         progress: called with a description of each step as it begins.
+        checkpoint: keeps each finished tree, and may know some of an interrupted training.
 
     Raises:
         InputError: no labelled person is visible, a joint is never labelled, or the joints that
@@ -113,7 +124,7 @@ def train(
     size = feature_size(training.settings) + spare
     limit = sample_limit(training.memory, len(training.joints), size)
     samples, held_out = split_samples(people, limit, training.hold_out, spare)
-    model = train_on(samples, training, provenance, progress)
+    model = train_on(samples, training, provenance, progress, checkpoint)
     if held_out:
         progress(f'calibrating the confidence on {len(held_out)} held-out people')
     return calibrate(model, held_out)
@@ -124,6 +135,7 @@ def train_on(
     training: TrainingSettings,
     provenance: dict[str, str],
     progress: Progress = lambda _step: None,
+    checkpoint: Checkpoint = _NO_CHECKPOINT,
 ) -> Model:
     """Return a model trained on `samples`.
 
@@ -133,6 +145,7 @@ def train_on(
         training: the settings.
         provenance: as `train`.
         progress: as `train`.
+        checkpoint: as `train`.
 
     Raises:
         InputError: as `train`.
@@ -143,26 +156,52 @@ def train_on(
         write_body_yaws(samples, training.joints, training.seed)
         growth = growth._replace(always=BODY_YAW_SIZE)
     edges = default_edges(training.joints)
-    statistics = joint_statistics(samples, training)
-    trees: list[Tree] = []
-    joint_votes: list[LeafVotes] = []
-    pair_votes: list[LeafVotes] = []
-    for number in range(training.trees):
-        progress(f'growing tree {number + 1} of {training.trees}')
-        rng = np.random.default_rng((training.seed, number))
-        tree = grow_tree(samples.quantised, statistics, growth, rng)
-        progress(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
-        trees.append(tree)
-        joint_votes.append(fit_joint_votes(samples, tree, training.leaves))
-        pair_votes.append(fit_pair_votes(samples, tree, edges, training.leaves))
+    training = training._replace(growth=growth)
+    trees = _finish_trees(samples, training, edges, progress, checkpoint)
     return Model(
         training.joints,
         edges,
         limb_lengths(samples, edges),
         training.settings,
-        Forest(*join_trees(trees), join_votes(joint_votes), join_votes(pair_votes)),
+        Forest(
+            *join_trees(trees),
+            join_votes([tree.joint_votes for tree in trees]),
+            join_votes([tree.pair_votes for tree in trees]),
+        ),
         provenance | {'people': str(len(samples.scale)), 'samples': str(len(samples.points))},
     )
+
+
+def _finish_trees(
+    samples: Samples,
+    training: TrainingSettings,
+    edges: NDArray[np.int32],
+    progress: Progress,
+    checkpoint: Checkpoint,
+) -> list[FinishedTree]:
+    """Return all trees: those that the checkpoint has, and the others anew."""
+    key = training_key(samples, _all_that_shapes_a_tree(training))
+    limits = Limits(len(samples.quantised), len(training.joints), len(edges))
+    trees = checkpoint.load(key, limits)[: training.trees]
+    statistics = joint_statistics(samples, training)
+    for number in range(len(trees), training.trees):
+        progress(f'growing tree {number + 1} of {training.trees}')
+        rng = np.random.default_rng((training.seed, number))
+        tree = grow_tree(samples.quantised, statistics, training.growth, rng)
+        progress(f'fitting the {len(tree.leaf_start) - 1} leaves of tree {number + 1}')
+        votes = (
+            fit_joint_votes(samples, tree, training.leaves),
+            fit_pair_votes(samples, tree, edges, training.leaves),
+        )
+        trees.append(FinishedTree(tree.feature, tree.threshold, tree.left, *votes))
+        checkpoint.store(key, trees)
+    return trees
+
+
+def _all_that_shapes_a_tree(training: TrainingSettings) -> tuple[object, ...]:
+    """Return the settings without those that only choose samples, or the number of trees."""
+    used = training._replace(trees=0, memory=0.0, hold_out=0.0)
+    return tuple(used._replace(joints=training.joints.tolist()))
 
 
 def joint_statistics(samples: Samples, training: TrainingSettings) -> JointStatistics:

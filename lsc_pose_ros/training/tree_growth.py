@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.numerics.jit import kernel, parallel_kernel
 from lsc_pose_ros.pose.forest.forest import TreeNodes
+from lsc_pose_ros.training.checkpoint import FinishedTree
 from lsc_pose_ros.training.criterion import JointStatistics, select_statistics
 from lsc_pose_ros.training.splitter import Split, partition, try_feature
 
@@ -387,10 +388,10 @@ def _graft(
     return Tree(feature, threshold, left.astype(np.int32), order, np.append(starts, len(order)))
 
 
-def join_trees(trees: Sequence[Tree]) -> TreeNodes:
+def join_trees(trees: Sequence[Tree | FinishedTree]) -> TreeNodes:
     """Return the nodes of all trees as one, with nodes and leaves renumbered consecutively."""
     nodes = np.cumsum([0, *(len(tree.feature) for tree in trees)])
-    leaves = np.cumsum([0, *(len(tree.leaf_start) - 1 for tree in trees)])
+    leaves = np.cumsum([0, *((tree.feature < 0).sum() for tree in trees)])
     left = [
         np.where(tree.feature >= 0, tree.left + nodes[t], tree.left + leaves[t])
         for t, tree in enumerate(trees)

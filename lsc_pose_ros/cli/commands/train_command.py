@@ -45,9 +45,12 @@ from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import JSON
 from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_file import is_written_through
 from lsc_pose_ros.model_io.model_file import MODEL, save_model
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.training.calibration import calibrate
+from lsc_pose_ros.training.checkpoint import NoCheckpoint
+from lsc_pose_ros.training.checkpoint_file import CHECKPOINT, CheckpointFile, checkpoint_path
 from lsc_pose_ros.training.samples import labelled_people
 from lsc_pose_ros.training.train import TrainingSettings, train
 
@@ -100,6 +103,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         '--seed', type=int, default=0, help='seed of all random numbers (default: %(default)s)'
     )
+    parser.add_argument(
+        '--resume',
+        action='store_true',
+        help='go on from the trees that an interrupted training of the same MODEL, recordings and '
+        'settings has left in MODEL.checkpoint; the forest is the same as without interruption',
+    )
     parser.add_argument('--json', type=Path, metavar='FILE', help='write sizes and times to FILE')
 
 
@@ -115,11 +124,15 @@ def run(arguments: argparse.Namespace) -> int:
     others = _open_calibration_recordings(arguments, training)
     begin = time.perf_counter()
     frames = read_frames(readers, 'reading')
-    model = train(frames, training, _provenance(arguments, training), REPORTER.step)
+    provenance = _provenance(arguments, training)
+    checkpoint = _checkpoint(arguments)
+    model = train(frames, training, provenance, REPORTER.step, checkpoint or NoCheckpoint())
     if others:
         frames = read_frames(others, 'calibrating')
         model = calibrate(model, labelled_people(frames, training.joints, training.settings))
     size = save_model(arguments.output, model)
+    if checkpoint:
+        checkpoint.remove()
     results = _results(arguments, model, time.perf_counter() - begin) | {'bytes': size}
     print(
         f'{arguments.output}: {results["people"]} people, {len(model.forest.roots)} trees, '
@@ -131,10 +144,22 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _checkpoint(arguments: argparse.Namespace) -> CheckpointFile | None:
+    """Return the checkpoint beside the model; None if the model is no file."""
+    if is_written_through(arguments.output):
+        return None
+    path = checkpoint_path(arguments.output)
+    return CheckpointFile(path, _program(), resume=arguments.resume)
+
+
+def _program() -> str:
+    return f'lsc_pose_ros {__version__}'
+
+
 def _provenance(arguments: argparse.Namespace, training: TrainingSettings) -> dict[str, str]:
     return {
         'recordings': ', '.join(path.name for path in arguments.recordings),
-        'program': f'lsc_pose_ros {__version__}',
+        'program': _program(),
         'packages': ', '.join(f'{name} {version}' for name, version in versions().items()),
         'date': utc_date(),
         'seed': str(training.seed),
@@ -180,6 +205,11 @@ def _check_outputs(arguments: argparse.Namespace) -> None:
         InputError: one of them cannot.
     """
     outputs = [Output(arguments.output, MODEL)]
+    if not is_written_through(arguments.output):
+        outputs.append(Output(checkpoint_path(arguments.output), CHECKPOINT))
+    elif arguments.resume:
+        msg = f'--resume: {arguments.output} is no file, so nothing is kept beside it'
+        raise InputError(msg)
     if arguments.json:
         outputs.append(Output(arguments.json, JSON))
     check_outputs(outputs, [*arguments.recordings, *(arguments.calibrate or [])])
