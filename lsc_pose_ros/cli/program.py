@@ -15,11 +15,13 @@
 
 """The process of `lsc_pose`: Ctrl-C ends it with one line, whenever it comes."""
 
+import atexit
 import os
 import signal
 import sys
+from contextlib import suppress
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
@@ -41,12 +43,15 @@ def main() -> int:
     try:
         from lsc_pose_ros.cli.main import main as run_command  # noqa: PLC0415
 
-        return run_command()
+        status = run_command()
     except KeyboardInterrupt:  # a second one, while the first was reported
-        return INTERRUPTED
+        status = INTERRUPTED
     finally:
         # All is done, and the interpreter would print a traceback.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if status == INTERRUPTED:
+        _leave()
+    return status
 
 
 def let_interrupt() -> None:
@@ -60,6 +65,18 @@ def let_interrupt() -> None:
 
 def _end(_number: int, _frame: FrameType | None) -> None:
     os.write(2, _LINE)
+    os._exit(INTERRUPTED)
+
+
+def _leave() -> NoReturn:
+    """End the process, without the interpreter's own end.
+
+    A library in C that KeyboardInterrupt has left in the middle can crash there.
+    """
+    atexit._run_exitfuncs()  # noqa: SLF001 - files that are not finished are removed there
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(OSError, ValueError):
+            stream.flush()
     os._exit(INTERRUPTED)
 
 

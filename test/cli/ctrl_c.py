@@ -16,6 +16,7 @@
 """Sends Ctrl-C to each command at random moments: `python test/cli/ctrl_c.py --signals 300`."""
 
 import argparse
+import os
 import random
 import signal
 import subprocess
@@ -23,8 +24,14 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
+
+import numpy as np
+
+from lsc_pose_ros.messages.codecs.png import write_png
+from lsc_pose_ros.ros.isolation import isolated_environment
 
 LINE = b'lsc_pose: interrupted\n'
 
@@ -40,15 +47,23 @@ sys.exit(main())
 
 
 class Tried(NamedTuple):
-    """A command, its outputs, and how long it takes, seconds."""
+    """A command that is interrupted.
+
+    Attributes:
+        words: the command.
+        outputs: what it writes.
+        lasts: how long it is watched, if it does not end by itself, seconds.
+    """
 
     words: list[str]
     outputs: list[str]
+    lasts: float | None = None
 
 
 def commands(recording: Path) -> dict[str, Tried]:
     """Return the commands; they read `recording` and run in a folder of their own."""
     given = str(recording)
+    images = str(make_images(recording.with_name('images')))
     return {
         'synth': Tried(['synth', 'out.mcap', '--frames', '30'], ['out.mcap']),
         'synth to a folder': Tried(['synth', 'out', '--frames', '30'], ['out']),
@@ -62,7 +77,29 @@ def commands(recording: Path) -> dict[str, Tried]:
         'view': Tried(['view', given, '-o', 'out.png', '--frames', '4'], ['out.png']),
         'bench': Tried(['bench', given, '--json', 'out.json'], ['out.json']),
         'info': Tried(['info', given, '--json', 'out.json'], ['out.json']),
+        'export': Tried(['export', given, '-o', 'out.csv'], ['out.csv']),
+        'label': Tried(['label', given, '--from', 'skeletons', '-o', 'out.mcap', '--topic',
+                        '/ground_truth/skeletons', '--report', 'report'], ['out.mcap', 'report']),
+        'import': Tried(['import', 'images', images, 'out.mcap'], ['out.mcap']),
+        'experiments': Tried(['experiments', 'out', '--recordings', given, '--only', 'fig6',
+                              '--quick'], ['out']),
+        'annotate': Tried(['annotate', given, '-o', 'out.mcap', '--no-browser', '--port', '0'],
+                          [], lasts=8.0),
+        **({'replay to ROS': Tried(['replay', given, '--publish', '--loop'],
+                                   [], lasts=8.0)} if find_spec('rclpy') else {}),
     }  # fmt: skip
+
+
+def make_images(folder: Path) -> Path:
+    """Return a folder of depth images with their intrinsics."""
+    if not folder.exists():
+        folder.mkdir()
+        for number in range(20):
+            pixels = np.full((60, 80), 2000 + number, np.uint16)
+            (folder / f'{number:04}.png').write_bytes(write_png(pixels))
+        words = '{"fx": 70.0, "fy": 70.0, "cx": 39.5, "cy": 29.5}'
+        (folder / 'camera.json').write_text(words, encoding='utf-8')
+    return folder
 
 
 def start(words: Sequence[str], folder: Path) -> 'subprocess.Popen[bytes]':
@@ -70,6 +107,7 @@ def start(words: Sequence[str], folder: Path) -> 'subprocess.Popen[bytes]':
     process = subprocess.Popen(
         [sys.executable, '-c', _PROGRAM, *words],
         cwd=folder,
+        env=os.environ | isolated_environment(),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
     )
@@ -80,6 +118,8 @@ def start(words: Sequence[str], folder: Path) -> 'subprocess.Popen[bytes]':
 
 def duration(tried: Tried) -> float:
     """Return how long the command takes if nothing interrupts it, seconds."""
+    if tried.lasts is not None:
+        return tried.lasts
     with tempfile.TemporaryDirectory() as folder:
         process = start(tried.words, Path(folder))
         begin = time.monotonic()
@@ -130,12 +170,14 @@ def main() -> int:
     """Interrupt all commands in turn, and print what goes wrong."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--signals', type=int, default=300, help='how many (%(default)s)')
+    parser.add_argument('--only', nargs='+', metavar='COMMAND', help='only these commands')
     parser.add_argument('--seed', type=int, default=0, help='seed of the moments (%(default)s)')
     arguments = parser.parse_args()
     moments = random.Random(arguments.seed)  # noqa: S311 - no secret
     faults = 0
     with tempfile.TemporaryDirectory() as folder:
         tried = commands(make_recording(Path(folder), 40))
+        tried = {name: tried[name] for name in arguments.only or tried}
         durations = {name: duration(each) for name, each in tried.items()}
         for number in range(arguments.signals):
             name = list(tried)[number % len(tried)]
