@@ -21,7 +21,8 @@ A camera with a segmentation sends images at 30 Hz; people come and go, and a te
 has a fault of soak_camera.py. The report, OUTPUT/soak.json, and the plot, soak.png, tell how many
 of the frames without faults were answered, how many were left out for which reason, how memory
 went, and the latencies. The exit status is 1 if the node has ended, if frames are unaccounted
-for, or if memory grew by 5 MB or more after the first fifth of at least ten minutes.
+for, if no frame was answered for 30 s, or if memory grew by 5 MB or more after the first fifth of
+at least ten minutes.
 """
 
 import argparse
@@ -52,6 +53,9 @@ _DROPS = (
 
 MOST_GROWTH = 5.0
 """Memory may grow by less than so many MB."""
+
+MOST_PAUSE = 30.0
+"""Seconds without any answer; one frame takes less on the slowest computer."""
 
 _LEAST_SECONDS = 600.0
 _STILL_WAITING = 2
@@ -121,6 +125,8 @@ def _report(observed: Observed, log: str) -> dict[str, Any]:
     received = int(values['depth'])
     unaccounted = max(received - len(answers) - told_of(drops) - drops['failed'], 0)
     milliseconds = [latency for _, latency in latencies]
+    arrivals = [1e-9 * arrival for _, arrival in answers]
+    pauses = np.diff(arrivals, append=arrivals[0] + shown['seconds'])
     report = {
         'seconds': shown['seconds'],
         'sent': shown['sent'],
@@ -132,6 +138,7 @@ def _report(observed: Observed, log: str) -> dict[str, Any]:
         'drops': drops,
         'unaccounted': unaccounted,
         'latency_ms': {str(p): float(np.percentile(milliseconds, p)) for p in (50, 95, 99, 100)},
+        'longest_pause': float(pauses.max()),
         'latencies': latencies[:: max(len(latencies) // 2000, 1)],
         'memory_mb': memory_of(observed.usages),
         'log_bytes': len(log),
@@ -149,6 +156,8 @@ def _complaints(report: dict[str, Any], *, ended: bool) -> list[str]:
         complaints.append(f'{report["tracebacks"]} tracebacks in the log')
     if report['unaccounted'] > _STILL_WAITING:
         complaints.append(f'{report["unaccounted"]} frames are neither answered nor counted')
+    if report['longest_pause'] > MOST_PAUSE:
+        complaints.append(f'no frame was answered for {report["longest_pause"]:.0f} s')
     growth = report['memory_mb']['typical_growth']
     if report['seconds'] >= _LEAST_SECONDS and growth >= MOST_GROWTH:
         complaints.append(f'memory grew by {growth:.1f} MB')
@@ -165,6 +174,7 @@ def _text(report: dict[str, Any]) -> str:
         f'{report["answered"]} of {report["good"]} frames without a fault answered',
         f'received: {report["received"]}; counted: {drops or "none"}',
         f'unaccounted: {report["unaccounted"]}',
+        f'longest time without an answer: {report["longest_pause"]:.1f} s',
         'latency, ms: ' + ', '.join(f'{value:.1f} (p{p})' for p, value in latency.items()),
         f'memory {start:.1f} MB at the start, {end:.1f} MB at the end',
         f'log {report["log_bytes"]} bytes',

@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.image_arguments import check_images
+from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.estimation.person_history import PersonHistory
-from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.estimator import Estimator, largest_bodies
 from lsc_pose_ros.pose.inference.confidence import body_confidence
 from lsc_pose_ros.pose.inference.stature import statures
 from lsc_pose_ros.pose.stages import Observer
@@ -114,7 +114,7 @@ class TemporalEstimator:
         if settings.tracks(from_mask=from_mask):
             images = images._replace(labels=self._tracker.join_fragments(stamp, images))
         self.labels = images.labels
-        surfaces = surfaces_of(images)
+        surfaces = self._surfaces_of(images)
         memory = None
         if settings.temporal:
             memory = self._history
@@ -154,6 +154,15 @@ class TemporalEstimator:
             smoothing = OneEuroSettings(settings.smoothing_cutoff, settings.smoothing_beta)
             skeletons = self._filter.filter(stamp, skeletons, smoothing)
         return without_hidden(skeletons) if settings.hidden_joints == NO_POSITION else skeletons
+
+    def _surfaces_of(self, images: ImageArguments) -> Mapping[int, Surface]:
+        """Return the surfaces of the bodies that are estimated, by number."""
+        surfaces = surfaces_of(images)
+        most = self.estimator.maximum_bodies
+        if most is None or len(surfaces) <= most:
+            return surfaces
+        estimated, _ = largest_bodies(images.labels, most)
+        return {number: surfaces[number] for number in estimated.tolist() if number in surfaces}
 
     def _is_earlier(self, stamp: int) -> bool:
         """Return whether the stamps have gone back."""

@@ -40,6 +40,9 @@ def assign(costs: NDArray[np.float64], unassigned: float) -> list[tuple[int, int
         msg = 'a cost is not a number'
         raise ValueError(msg)
     rows, columns = costs.shape
+    if rows > columns:
+        # The time grows with the square of the rows.
+        return sorted((row, column) for column, row in assign(costs.T, unassigned))
     # Each row may have a partner that stands for none.
     square = np.full((rows, columns + rows), float(unassigned))
     square[:, :columns] = np.minimum(costs, unassigned)

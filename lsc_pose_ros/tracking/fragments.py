@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.camera.rays import ImageRays, image_rays
+from lsc_pose_ros.data_types.conversion import LARGEST_BODY
 from lsc_pose_ros.data_types.image_arguments import ImageArguments
 from lsc_pose_ros.numerics.jit import kernel
 
@@ -57,7 +58,7 @@ def join_fragments(
     depth, labels, camera = images
     numbers = np.unique(labels[::STRIDE, ::STRIDE])
     numbers = numbers[numbers >= 0]
-    if len(numbers) < 2 or not expected:
+    if len(numbers) < 2 or not expected or numbers[-1] > LARGEST_BODY:
         return labels
     skeletons = np.array(expected, np.float32)
     rays = image_rays(camera, *depth.shape)
@@ -65,10 +66,12 @@ def join_fragments(
     wholes = fragments_of(counts, inside)
     if not wholes:
         return labels
-    joined = labels.copy()
-    for piece, whole in wholes.items():
-        joined[labels == numbers[piece]] = numbers[whole]
-    return joined
+    joined = np.arange(numbers[-1] + 1, dtype=labels.dtype)
+    joined[numbers[list(wholes)]] = numbers[list(wholes.values())]
+    # Small pieces, which no sampled pixel shows, can have larger numbers.
+    return np.where(
+        (labels >= 0) & (labels < len(joined)), joined.take(labels, mode='clip'), labels
+    )
 
 
 def fragments_of(counts: NDArray[np.int64], inside: NDArray[np.int64]) -> dict[int, int]:
@@ -79,16 +82,17 @@ def fragments_of(counts: NDArray[np.int64], inside: NDArray[np.int64]) -> dict[i
         inside: how many of them are near to each body, shape (P, B).
     """
     fraction = inside / np.maximum(counts, 1)[:, None]
-    wholes: dict[int, int] = {}
-    for piece, near in enumerate(fraction):
-        body = int(np.argmax(near))
-        if near[body] < LEAST_INSIDE or (np.delete(near, body) > MOST_ELSEWHERE).any():
-            continue
-        of_body = np.where(fraction[:, body] >= LEAST_INSIDE, counts, 0)
-        whole = int(np.argmax(of_body))
-        if piece != whole:
-            wholes[piece] = whole
-    return wholes
+    of_bodies = np.where(fraction >= LEAST_INSIDE, counts[:, None], 0)
+    wholes = of_bodies.argmax(axis=0)
+    # MOST_ELSEWHERE is below LEAST_INSIDE, so the body itself is the one that may exceed it.
+    in_one = (fraction > MOST_ELSEWHERE).sum(axis=1) == 1
+    pieces = np.flatnonzero(in_one & (fraction.max(axis=1) >= LEAST_INSIDE))
+    belongs = wholes[fraction[pieces].argmax(axis=1)]
+    return {
+        int(piece): int(whole)
+        for piece, whole in zip(pieces, belongs, strict=True)
+        if piece != whole
+    }
 
 
 @kernel

@@ -44,6 +44,8 @@ class Script:
     def __init__(self, answers):
         self.answers = iter(answers)
 
+    maximum_bodies = None
+
     def estimate_largest(self, _depth, _labels, _camera, _observer, _memory=None):
         return next(self.answers), 0
 
@@ -239,6 +241,8 @@ class Looking:
 
     def __init__(self):
         self.bodies = []
+
+    maximum_bodies = None
 
     def estimate_largest(self, depth, labels, camera, _observer, _memory=None):
         bodies = np.unique(labels[labels >= 0]).astype(np.uint16)

@@ -15,6 +15,8 @@
 
 """The assignment of least cost, against all assignments and against scipy."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -64,3 +66,16 @@ def test_many_things_are_assigned_as_by_scipy(shape: tuple[int, int]) -> None:
 def test_costs_that_are_no_numbers_are_refused(cost: float) -> None:
     with pytest.raises(ValueError, match='not a number'):
         assign(np.array([[1.0, cost]]), 2.0)
+
+
+@pytest.mark.parametrize('shape', [(20_000, 3), (3, 20_000), (20_000, 0)])
+def test_thousands_of_things_for_a_few_take_no_square_of_memory(shape: tuple[int, int]) -> None:
+    costs = np.random.default_rng(5).uniform(0, 10, shape)
+    tracemalloc.start()
+    try:
+        pairs = assign(costs, 20.0)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert len(pairs) == min(shape)
+    assert peak < 20 * costs.nbytes + (1 << 20)

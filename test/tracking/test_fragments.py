@@ -26,6 +26,8 @@ from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.image_arguments import check_images
 from lsc_pose_ros.tracking.fragments import (
     BODY_RADIUS,
+    LEAST_INSIDE,
+    MOST_ELSEWHERE,
     STRIDE,
     count_inside,
     fragments_of,
@@ -133,3 +135,43 @@ def test_the_only_piece_of_a_body_is_the_body() -> None:
     assert fragments_of(counts, np.array([[30, 0], [0, 100]])) == {}
     assert fragments_of(counts, np.array([[30], [10]])) == {}
     assert fragments_of(counts, np.array([[30], [90]])) == {0: 1}
+
+
+def plain_fragments(counts: np.ndarray, inside: np.ndarray) -> dict[int, int]:
+    fraction = inside / np.maximum(counts, 1)[:, None]
+    wholes = {}
+    for piece, near in enumerate(fraction):
+        body = int(np.argmax(near))
+        elsewhere = [fraction for other, fraction in enumerate(near) if other != body]
+        if near[body] < LEAST_INSIDE or max(elsewhere, default=0) > MOST_ELSEWHERE:
+            continue
+        pieces = [
+            counts[other] if fraction[other, body] >= LEAST_INSIDE else 0
+            for other in range(len(counts))
+        ]
+        whole = int(np.argmax(pieces))
+        if piece != whole:
+            wholes[piece] = whole
+    return wholes
+
+
+@pytest.mark.parametrize('seed', range(30))
+def test_fragments_are_those_of_the_definition(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    counts = rng.integers(0, 12, 40)
+    inside = rng.binomial(counts[:, None], rng.choice([0, 0.5, 0.9, 1], (40, 3)))
+    expected = plain_fragments(counts, inside)
+    assert fragments_of(counts, inside) == expected
+    assert expected
+
+
+def test_pieces_that_no_sampled_pixel_shows_keep_their_numbers() -> None:
+    pictures = images((5, 0.0, -0.8, 0.3, 3.0), (2, 0.0, 0.5, 0.8, 3.0))
+    pictures.labels[1, 1], pictures.labels[1, 2] = 7, 1
+    joined = join_fragments(pictures, [standing(0.0)], LIMBS)
+    assert numbers_in(joined) == [1, 5, 7]
+
+
+def test_a_number_that_is_no_body_takes_no_memory() -> None:
+    pictures = images((5, 0.0, -0.8, 0.3, 3.0), (2**31 - 1, 0.0, 0.5, 0.8, 3.0))
+    assert join_fragments(pictures, [standing(0.0)], LIMBS) is pictures.labels
