@@ -43,7 +43,7 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts fuzz model body-parts benchmarks benchmarks-live soak bounds clean
+.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts fuzz fuzz-guided model body-parts benchmarks benchmarks-live soak bounds clean
 
 help:
 	@echo 'make demo             start the live node and check its skeletons; train another model'
@@ -51,6 +51,7 @@ help:
 	@echo 'make install          only the environment $(VENV), with ROS wheels unless Jazzy is sourced'
 	@echo 'make interrupts       send Ctrl-C to each command at random moments, SIGNALS=300 in all'
 	@echo 'make fuzz             change files and messages at random, MINUTES=10 for each reader of them'
+	@echo 'make fuzz-guided      the same, guided by coverage, with Atheris'
 	@echo 'make settings         write pose_node.yaml and docs/parameters.md from settings/table.py'
 	@echo 'make model            train and measure the model of the package, in one or two hours;'
 	@echo '                      MOCAP=DIR for motion capture, NAME=front for the other model'
@@ -109,6 +110,11 @@ interrupts: $(VENV)/installed
 
 fuzz: $(VENV)/installed
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python test/fuzz/fuzzing.py --minutes $(or $(MINUTES),10)
+
+# Atheris has wheels for some Pythons only, so it is no part of the environment.
+fuzz-guided: $(VENV)/installed
+	$(BIN)/python -m pip install atheris
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python test/fuzz/guided.py --minutes $(or $(MINUTES),10)
 
 settings: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.settings

@@ -36,7 +36,7 @@ from lsc_pose_ros.model_io.forest_packing import ARRAYS as FOREST_ARRAYS
 from lsc_pose_ros.model_io.forest_packing import Form, pack_forest, unpack_forest
 from lsc_pose_ros.model_io.model_check import check_model
 from lsc_pose_ros.model_io.model_header import FORMAT, Header, decode_header, encode_header
-from lsc_pose_ros.model_io.unusable_model import UnusableModelError
+from lsc_pose_ros.model_io.unusable_model import UnusableModelError, why_unusable
 from lsc_pose_ros.pose.inference.confidence import uncalibrated
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
@@ -112,8 +112,8 @@ def load_model(model: str | os.PathLike[str]) -> Model:
         msg = f'there is no model file {source}; make one with `lsc_pose train`'
         raise InputError(msg) from error
     except Exception as error:  # a damaged file makes numpy raise errors of many types
-        why = str(error) or type(error).__name__
-        msg = f'{source} is not a usable model file ({why:.200}); make one with `lsc_pose train`'
+        why = why_unusable(error)
+        msg = f'{source} is not a usable model file ({why}); make one with `lsc_pose train`'
         raise InputError(msg) from error
 
 

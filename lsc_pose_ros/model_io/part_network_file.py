@@ -30,7 +30,7 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import archive
 from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.model_io.model_file import check_sizes, read_array
-from lsc_pose_ros.model_io.unusable_model import UnusableModelError
+from lsc_pose_ros.model_io.unusable_model import UnusableModelError, why_unusable
 from lsc_pose_ros.resources.package_files import resource
 
 FORMAT = 'lsc_pose_ros body parts'
@@ -134,8 +134,7 @@ def load_part_network(path: str | os.PathLike[str] | None = None) -> PartNetwork
         msg = f'there is no file {source}'
         raise InputError(msg) from error
     except Exception as error:  # a damaged file makes numpy raise errors of many types
-        why = str(error) or type(error).__name__
-        msg = f'{source} is not a usable body-part network ({why:.200})'
+        msg = f'{source} is not a usable body-part network ({why_unusable(error)})'
         raise InputError(msg) from error
     return PartNetworkFile(network, provenance)
 

@@ -13,8 +13,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The exception for model files whose content cannot be used."""
+"""The exception for model files whose content cannot be used, and what others say of them."""
+
+import re
+
+_ADDRESS = re.compile(r' at 0x[0-9a-fA-F]+')
 
 
 class UnusableModelError(ValueError):
     """A part of a model is wrong; the message says which, and is put in brackets."""
+
+
+def why_unusable(error: Exception) -> str:
+    """Return what an error says of a file, cut, and without addresses in memory."""
+    return _ADDRESS.sub('', str(error) or type(error).__name__)[:200]

@@ -31,7 +31,7 @@ from lsc_pose_ros.files.output_file import write_output
 from lsc_pose_ros.model_io.forest_packing import Form
 from lsc_pose_ros.model_io.model_check import MOST_TREES, check_forest
 from lsc_pose_ros.model_io.model_file import check_sizes, read_array
-from lsc_pose_ros.model_io.unusable_model import UnusableModelError
+from lsc_pose_ros.model_io.unusable_model import UnusableModelError, why_unusable
 from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes
 from lsc_pose_ros.training.checkpoint import FinishedTree, Limits
 
@@ -85,8 +85,8 @@ class CheckpointFile:
         try:
             found, trees = _read(self._path, limits)
         except Exception as error:  # a damaged file makes numpy raise errors of many types
-            why = str(error) or type(error).__name__
-            msg = f'{self._path} is not a usable checkpoint ({why:.200}); train without --resume'
+            why = why_unusable(error)
+            msg = f'{self._path} is not a usable checkpoint ({why}); train without --resume'
             raise InputError(msg) from error
         if found != {'key': key, 'program': self._program}:
             msg = (

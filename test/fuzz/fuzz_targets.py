@@ -65,6 +65,8 @@ from lsc_pose_ros.model_io.part_network_file import (
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.synthetic.mocap.bvh import joint_poses, load_bvh
 from lsc_pose_ros.synthetic.mocap.mocap_mapping import load_mapping
+from lsc_pose_ros.training.checkpoint import FinishedTree, Limits
+from lsc_pose_ros.training.checkpoint_file import CheckpointFile
 
 from tiny_model import tiny_model  # isort: skip
 
@@ -85,6 +87,20 @@ class Target(NamedTuple):
     seeds: list[bytes]
     read: Callable[[bytes], object]
     archive: bool = False
+
+
+def read_checkpoint(path: Path) -> None:
+    """Read the trees of a checkpoint of `tiny_model`."""
+    model = tiny_model()
+    limits = Limits(model.feature_size, len(model.joints), len(model.edges))
+    CheckpointFile(path, 'program', resume=True).load('key', limits)
+
+
+def checkpoint(path: Path) -> None:
+    """Write a checkpoint with the first tree of `tiny_model`, twice."""
+    forest = tiny_model().forest
+    tree = FinishedTree._make([*forest[1:]])
+    CheckpointFile(path, 'program', resume=True).store('key', [tree, tree])
 
 
 def through_file(name: str, read: Callable[[Path], object]) -> Callable[[bytes], object]:
@@ -299,6 +315,9 @@ def targets() -> dict[str, Target]:
             [written('m.npz', lambda path: save_model(path, tiny_model()))],
             through_file('m.npz', load_model),
             archive=True,
+        ),
+        'checkpoint': Target(
+            [written('c.npz', checkpoint)], through_file('c.npz', read_checkpoint), archive=True
         ),
         'body parts': Target(
             [written('p.npz', part_network)],
