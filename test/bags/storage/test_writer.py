@@ -285,7 +285,10 @@ def test_places_that_cannot_be_written_to(tmp_path, name, words):
 
 @pytest.mark.parametrize('name', ['one.mcap', 'bag'])
 def test_full_disk(tmp_path, simple_frames, name):
-    """A limit on the size of files stands for a full disk."""
+    """A limit on the size of files stands for a full disk; the old recording is intact."""
+    old = tmp_path / 'one.mcap'
+    write_all(old, simple_frames[:2])
+    content = old.read_bytes()
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
     try:
@@ -293,7 +296,8 @@ def test_full_disk(tmp_path, simple_frames, name):
             write_all(tmp_path / name, simple_frames)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [old]
+    assert old.read_bytes() == content
 
 
 _KILLED = """
