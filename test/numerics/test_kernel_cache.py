@@ -22,7 +22,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from waiting import PATIENCE
+from waiting import PATIENCE, wait_until
 
 import lsc_pose_ros
 
@@ -94,6 +94,7 @@ class Installation:
             [sys.executable, '-c', code],
             cwd=self.folder,  # where `python -c` looks for modules first
             env=environment,
+            stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -248,6 +249,44 @@ print(len(outer.stats.cache_hits), len(outer.stats.cache_misses))
         assert program.returncode == 0, errors
         assert output.split() == ['0', '6']
     assert installation.run(call.format(chosen=':')) == ['12 0']
+
+
+# Stops while it saves the code of `outer`, until it is sent a line.
+PAUSE = """
+from numba.core.caching import IndexDataCacheFile
+
+save_index = IndexDataCacheFile._save_index
+
+def pause(self, overloads):
+    if self._index_name.startswith('outer.'):
+        print('saving', flush=True)
+        input()
+    save_index(self, overloads)
+
+IndexDataCacheFile._save_index = pause
+"""
+LOCKS = Path('/proc/locks')
+
+
+def waits_for_a_lock(pid: int) -> bool:
+    lines = LOCKS.read_text().splitlines()
+    return any('->' in line and str(pid) in line.split() for line in lines)
+
+
+@pytest.mark.skipif(not LOCKS.exists(), reason=f'there is no {LOCKS}')
+def test_process_waits_while_another_one_saves(installation: Installation) -> None:
+    """Without the lock, the index of the first would replace that of the second."""
+    call = CALL.replace('outer(1.5)', 'outer({value})')
+    first = installation.start(PAUSE + call.format(value='1.5'))
+    assert first.stdout is not None
+    assert first.stdout.readline() == 'saving\n'
+    second = installation.start(call.format(value='1'))
+    assert wait_until(lambda: second.poll() is not None or waits_for_a_lock(second.pid))
+    for program in (first, second):
+        _, errors = program.communicate('\n', timeout=PATIENCE)
+        assert program.returncode == 0, errors
+    for value in ('1.5', '1'):
+        assert installation.run(call.format(value=value))[-1].split()[1] == '1'
 
 
 # Hides parts of numba's caching module while this package is imported, as if its version of numba
