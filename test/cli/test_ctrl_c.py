@@ -23,7 +23,7 @@ import subprocess
 import sys
 
 import pytest
-from ctrl_c import commands, interrupt
+from ctrl_c import LINE, commands, interrupt
 
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.resources.package_files import default_model
@@ -43,6 +43,32 @@ def test_command(name, recording):
     moments = random.Random(name)  # noqa: S311 - no secret
     # The first seconds are those of the imports.
     assert interrupt(commands(recording)[name], moments.uniform(0, 6)) == ''
+
+
+_IMPORT = """
+import signal, sys
+from importlib.abc import MetaPathFinder
+
+class Interrupting(MetaPathFinder):
+    def find_spec(self, name, path, target=None):
+        if name == interrupted:
+            signal.raise_signal(signal.SIGINT)
+
+interrupted = sys.argv.pop(1)
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.meta_path.insert(0, Interrupting())
+from lsc_pose_ros.cli.program import main
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize('module', ['lsc_pose_ros.cli.main', 'numba'])
+def test_during_an_import(module, tmp_path):
+    words = [module, 'info', str(tmp_path / 'none.mcap')]
+    ended = subprocess.run(
+        [sys.executable, '-c', _IMPORT, *words], capture_output=True, check=False
+    )
+    assert (ended.returncode, ended.stderr) == (130, LINE)
 
 
 _LOOP = """
