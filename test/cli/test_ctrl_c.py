@@ -19,11 +19,13 @@
 """
 
 import random
+import signal
 import subprocess
 import sys
 
 import pytest
-from ctrl_c import LINE, commands, interrupt
+from ctrl_c import LINE, commands, interrupt, start
+from waiting import wait_until
 
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.resources.package_files import default_model
@@ -69,6 +71,16 @@ def test_during_an_import(module, tmp_path):
         [sys.executable, '-c', _IMPORT, *words], capture_output=True, check=False
     )
     assert (ended.returncode, ended.stderr) == (130, LINE)
+
+
+@pytest.mark.parametrize('output', ['out.mcap', 'out'])
+def test_while_an_output_is_written(output, tmp_path):
+    process = start(['synth', output, '--frames', '1000000'], tmp_path)
+    assert wait_until(lambda: [*tmp_path.iterdir()] or process.poll() is not None)
+    process.send_signal(signal.SIGINT)
+    _, printed = process.communicate()
+    assert (process.returncode, printed) == (130, LINE)
+    assert not [*tmp_path.iterdir()]
 
 
 _LOOP = """
