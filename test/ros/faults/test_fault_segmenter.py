@@ -19,6 +19,8 @@ import numpy as np
 from fault_stream import FaultStream, camera_info, image, mask_of
 from waiting import wait_until
 
+from lsc_pose_ros.settings.table import NodeSettings
+
 
 def test_without_the_segmenter_people_are_found_and_with_it_masks_are_used_again(
     stream: FaultStream,
@@ -70,8 +72,12 @@ def test_masks_that_come_late_find_their_image(stream: FaultStream) -> None:
 
 
 def test_masks_of_images_that_never_come_do_no_harm(stream: FaultStream) -> None:
+    """The oldest masks are dropped and counted, so that memory is bounded."""
     assert stream.mask is not None
+    stream.reactivate()
     for _ in range(100):
         header = stream.next_header()
         stream.mask.publish(image(header, '16UC1', mask_of(stream.frame.labels)))
-    stream.taken()
+        stream.taken()
+    waiting = int(stream.diagnosed('masks')) - int(stream.diagnosed('unmatched masks'))
+    assert 0 < waiting <= NodeSettings().sync_queue
