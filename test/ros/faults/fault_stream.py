@@ -201,6 +201,11 @@ class FaultStream:
                 return skeletons
         return None
 
+    def count_answers(self, header: Header) -> int:
+        """Return how many answers a depth image has got: one from each node."""
+        self._read_answers()
+        return sum(cloud.header == header for cloud, _ in self._answers)
+
     def _read_answers(self) -> None:
         for data in self.estimates.of(SKELETONS)[len(self._answers) :]:
             answer = deserialize_message(data, PointCloud2), read_skeletons(data)[1]

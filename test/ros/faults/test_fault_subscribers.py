@@ -17,12 +17,12 @@
 
 from pathlib import Path
 
-from fault_stream import FaultStream
+from fault_stream import SEND_AGAIN, FaultStream
 from live_ros import ANSWERS, Handshake
 from rclpy.node import Node
 from sensor_msgs.msg import PointCloud2
 from visualization_msgs.msg import MarkerArray
-from waiting import wait_until
+from waiting import becomes, wait_until
 
 KINDS = {'PointCloud2': PointCloud2, 'MarkerArray': MarkerArray}
 
@@ -58,8 +58,15 @@ def test_second_node_with_the_same_name_does_not_disturb_the_first(
     with stream.another_node(small_model_file) as other:
         assert other.prints('ready'), other.output
         assert wait_until(lambda: names().count('pose_node') == 2)
+
+        def both_answer() -> bool:
+            header = stream.send(stream.good())
+            return becomes(lambda: stream.count_answers(header) == 2, SEND_AGAIN)
+
+        assert wait_until(both_answer), other.output
         for _ in range(3):
-            stream.ask(stream.good())
+            header = stream.send(stream.good())
+            assert wait_until(lambda sent=header: stream.count_answers(sent) == 2), other.output
         assert 'Traceback' not in other.output
     assert wait_until(lambda: names().count('pose_node') == 1)
     stream.connect()
