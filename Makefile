@@ -4,6 +4,9 @@ PYTHON ?= python3
 
 MINUTES ?= 30
 
+# The tests of a file stay in one process.
+PYTEST = -m pytest --numprocesses $(or $(WORKERS),2) --dist loadfile
+
 VENV := .venv
 BIN := $(VENV)/bin
 
@@ -14,7 +17,8 @@ ARRAY_TESTS := test/data_types test/camera test/body_parts test/numerics test/po
 # The oldest releases that setup.py allows, on a Python that numba 0.59 has wheels for. numba 0.58
 # has no wheels for Python 3.12.
 FLOOR := .venv-floor
-FLOOR_PACKAGES := 'numpy==1.26.*' 'numba==0.59.*' 'mcap==1.3.*' 'rosbags==0.10.*' 'pytest==7.4.*'
+FLOOR_PACKAGES := 'numpy==1.26.*' 'numba==0.59.*' 'mcap==1.3.*' 'rosbags==0.10.*' 'pytest==7.4.*' \
+	pytest-xdist
 FLOOR_PYTHON = $(shell for python in '$(PYTHON)' python3.12 python3.11 python3.10; do \
 	"$$python" -c 'import sys; sys.exit(not (3, 10) <= sys.version_info[:2] <= (3, 12))' \
 	2>/dev/null && echo "$$python" && break; done)
@@ -43,11 +47,12 @@ endif
 
 .NOTPARALLEL:
 .DELETE_ON_ERROR:
-.PHONY: help install settings test lint test-floor test-newest test-newest-numpy demo interrupts fuzz fuzz-guided model body-parts benchmarks benchmarks-live soak bounds clean
+.PHONY: help install settings test lint test-floor test-newest demo interrupts fuzz fuzz-guided model body-parts benchmarks benchmarks-live soak bounds clean
 
 help:
 	@echo 'make demo             start the live node and check its skeletons; train another model'
-	@echo 'make test             linters, types, import contracts, tests on the oldest and newest numpy'
+	@echo 'make test             linters, types, import contracts, tests on the oldest and newest numpy,'
+	@echo '                      by WORKERS=2 processes'
 	@echo 'make install          only the environment $(VENV), with ROS wheels unless Jazzy is sourced'
 	@echo 'make interrupts       send Ctrl-C to each command at random moments, SIGNALS=300 in all'
 	@echo 'make fuzz             change files and messages at random, MINUTES=10 for each reader of them'
@@ -60,12 +65,12 @@ help:
 	@echo 'make benchmarks       the curves of benchmarks/; nothing else may run meanwhile'
 	@echo 'make benchmarks-live  the table of the live node, in seven minutes'
 	@echo 'make soak MINUTES=30  the live node under faults; a report and a plot in the folder soak'
-	@echo 'make bounds           the tests of the method with checks of all indices of the kernels'
+	@echo 'make bounds           the tests of the method, its readers and kernels, with all indices checked'
 	@echo 'make clean            remove all that these targets made'
 
 install: $(VENV)/installed
 
-test: lint test-floor test-newest-numpy test-newest
+test: lint test-floor bounds test-newest
 
 lint: $(VENV)/installed
 	$(BIN)/ruff check .
@@ -77,30 +82,21 @@ lint: $(VENV)/installed
 
 test-newest: $(VENV)/installed $(COLCON)/installed $(SEED_FOLDERS:%=%/installed)
 	LSC_POSE_PYTHONS='$(subst $() ,:,$(SEED_FOLDERS:%=%/bin/python))' \
-	LSC_POSE_COLCON='$(COLCON)/bin/colcon' $(BIN)/python -m pytest
+	LSC_POSE_COLCON='$(COLCON)/bin/colcon' $(BIN)/python $(PYTEST)
 
 test-floor: $(if $(FLOOR_PYTHON),$(FLOOR)/installed)
 ifneq ($(FLOOR_PYTHON),)
-	NUMBA_CACHE_DIR=$(FLOOR)/numba PYTHONPATH= $(FLOOR)/bin/python -m pytest $(ARRAY_TESTS)
+	NUMBA_CACHE_DIR=$(FLOOR)/numba PYTHONPATH= $(FLOOR)/bin/python $(PYTEST) $(ARRAY_TESTS)
 else
 	@echo 'Skipped: numpy 1.26 with numba 0.59 needs Python 3.10, 3.11 or 3.12, and none is installed.'
 endif
 
-# Skipped if the environment of the other tests has the same numpy.
-NUMPY_VERSION := -c 'import numpy; print(numpy.__version__)'
-test-newest-numpy: $(VENV)/installed $(NEWEST:%=%/installed)
-ifneq ($(NEWEST),)
-	[ "$$($(BIN)/python $(NUMPY_VERSION))" = "$$($(NEWEST)/bin/python $(NUMPY_VERSION))" ] || \
-	NUMBA_CACHE_DIR=$(NEWEST)/numba PYTHONPATH= $(NEWEST)/bin/python -m pytest $(ARRAY_TESTS)
-else
-	@echo 'Skipped: the newest numpy needs Python 3.12 or newer, and none is installed.'
-endif
-
-# Without these checks, an index outside of an array is a wrong number, or the end of the process.
-# The checked kernels have a cache of their own.
-BOUNDS_TESTS := test/test_absurd_input.py test/camera test/pose test/segmentation test/body_parts test/tracking test/messages
-bounds: $(VENV)/installed
-	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(VENV)/numba-bounds $(BIN)/python -m pytest -p no:cacheprovider $(BOUNDS_TESTS)
+# Without checks of its indices, a kernel that leaves an array gives a wrong number, or ends the
+# process. Here they are checked, on the newest numpy that is installed.
+CHECKED := $(or $(NEWEST),$(VENV))
+bounds: $(CHECKED)/installed
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=$(CHECKED)/numba-bounds PYTHONPATH= $(CHECKED)/bin/python \
+	$(PYTEST) $(ARRAY_TESTS) test/test_absurd_input.py test/messages test/fuzz
 
 demo: $(VENV)/installed
 	$(BIN)/python -m lsc_pose_ros.demo --directory demo
@@ -152,7 +148,7 @@ endif
 	@touch $@
 
 .venv-3.%/installed: Makefile setup.py .ci/environment
-	.ci/environment $(@D) '$(call find_python,3.$*)' -- --editable . pytest
+	.ci/environment $(@D) '$(call find_python,3.$*)' -- --editable . pytest pytest-xdist hypothesis
 	@touch $@
 
 $(COLCON)/installed: Makefile .ci/environment

@@ -68,6 +68,7 @@ EXTRAS = {
         'playwright>=1.40',
         'pyarrow>=14',
         'pytest>=7.4,<10',
+        'pytest-xdist>=3.5',
         'ruff==0.17.6',
         'scipy>=1.11',
         'scipy-stubs',
