@@ -136,6 +136,8 @@ def main() -> int:
     for name, target in targets().items():
         if arguments.only and name not in arguments.only:
             continue
+        for data in target.seeds:
+            target.read(data)  # compiles the kernels, which may take longer than an input may
         watched = target._replace(read=_watched(target.read))
         end, batch, number = time.monotonic() + 60 * arguments.minutes, 100, arguments.seed
         while time.monotonic() < end:

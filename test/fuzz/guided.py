@@ -70,6 +70,8 @@ def with_part(data: bytes, changed: bytes) -> bytes:
 def fuzz(name: str, seconds: int) -> None:
     """Fuzz one target; the process ends with it, with another status than 0 for a finding."""
     target = targets()[name]
+    for data in target.seeds:
+        target.read(data)  # compiles the kernels, which may take longer than an input may
     tracemalloc.start()
 
     def read(data: bytes) -> None:
