@@ -24,6 +24,13 @@ from numpy.typing import NDArray
 # The angle between quaternions below which a line is as good as an arc, and has no division by 0.
 _SMALL_ANGLE = 1e-6
 
+STAMP_TOLERANCE = 5_000_000
+"""Stamps that differ by no more are the same moment, nanoseconds.
+
+Times that were rounded to floats or milliseconds, and frame rates that were, are so far off. It is
+less than half of the time between two images of a camera with 90 Hz.
+"""
+
 
 class Bracket(NamedTuple):
     """The samples before and after a moment, and the fraction of the way between them."""
@@ -38,6 +45,8 @@ def bracket(
 ) -> Bracket | None:
     """Return the samples around `moment`, or None if there are none near enough.
 
+    At the ends and at the edges of a longer gap, a sample within STAMP_TOLERANCE is taken as it is.
+
     Args:
         stamps: nanoseconds, ascending.
         moment: nanoseconds.
@@ -46,12 +55,26 @@ def bracket(
     after = int(np.searchsorted(stamps, moment, 'left'))
     if after < len(stamps) and int(stamps[after]) == moment:
         return Bracket(after, after, 0.0)
-    if after in {0, len(stamps)}:
+    if after not in {0, len(stamps)}:
+        start, end = int(stamps[after - 1]), int(stamps[after])
+        if end - start <= longest_gap:
+            return Bracket(after - 1, after, (moment - start) / (end - start))
+    held = nearest(stamps, moment)
+    if held is None or abs(int(stamps[held]) - moment) > STAMP_TOLERANCE:
         return None
-    start, end = int(stamps[after - 1]), int(stamps[after])
-    if end - start > longest_gap:
-        return None
-    return Bracket(after - 1, after, (moment - start) / (end - start))
+    return Bracket(held, held, 0.0)
+
+
+def nearest(stamps: Sequence[int] | NDArray[np.int64], moment: int) -> int | None:
+    """Return the index of the stamp that is nearest to `moment`; None if there are no stamps.
+
+    Args:
+        stamps: nanoseconds, ascending.
+        moment: nanoseconds.
+    """
+    after = int(np.searchsorted(stamps, moment, 'left'))
+    around = [index for index in (after - 1, after) if 0 <= index < len(stamps)]
+    return min(around, key=lambda index: abs(int(stamps[index]) - moment), default=None)
 
 
 def between(

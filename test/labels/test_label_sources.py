@@ -29,6 +29,7 @@ from label_recordings import (
     CAMERA_FRAME,
     FRAME_TIME,
     START,
+    frame,
     markers,
     pose,
     seconds,
@@ -40,7 +41,7 @@ from label_recordings import (
 )
 
 from lsc_pose_ros import open_recording
-from lsc_pose_ros.bags import RecordingReader
+from lsc_pose_ros.bags import RecordingReader, RecordingWriter
 from lsc_pose_ros.bags.serialization.serialize import skeletons_message
 from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.cli.main import main
@@ -244,6 +245,25 @@ def test_gaps_are_left_out_and_nothing_is_extrapolated(tmp_path):
     assert [len(each.bodies) for each in labels] == [0, 1, 0, 1, 0]
 
 
+@pytest.mark.parametrize(('place', 'shift'), [(-1, -40_000), (0, 40_000)])
+def test_the_first_and_the_last_image_of_a_file_may_be_rounded_off(tmp_path, place, shift):
+    recording = write_recording(tmp_path / 'depth.mcap')
+    table = tmp_path / 'joints.csv'
+    times = stamps()
+    times[place] += shift
+    table.write_text(csv_rows(pose, column='time', times=times))
+    assert_right(label(tmp_path, recording, '--from', 'csv', '--source', table))
+
+
+def test_images_before_and_after_a_gap_may_be_rounded_off(tmp_path):
+    recording = write_recording(tmp_path / 'depth.mcap')
+    table = tmp_path / 'joints.csv'
+    times = [START, START + FRAME_TIME - 1000, START + 3 * FRAME_TIME + 1000, stamps()[4]]
+    table.write_text(csv_rows(pose, times=times))
+    labels = label(tmp_path, recording, '--from', 'csv', '--source', table)
+    assert [len(each.bodies) for each in labels] == [1, 1, 0, 1, 1]
+
+
 BVH = """HIERARCHY
 ROOT pelvis
 {{
@@ -350,6 +370,56 @@ def test_keypoints_of_a_csv_file(tmp_path):
     )  # fmt: skip
     assert_behind_the_surface(labels, ['l_shoulder', 'r_hip'])
     assert all(np.isnan(each.positions[0, JOINT_NUMBERS['head']]).all() for each in labels)
+
+
+def keypoint_rows(moments, column='stamp'):
+    """A CSV file of one keypoint in each image, with texts of its moments."""
+    rows = [f'{column},joint,u,v']
+    for stamp, moment in zip(stamps(), moments, strict=True):
+        u, v = pixels_of(seconds(stamp))[JOINT_NUMBERS['head']]
+        rows.append(f'{moment},head,{u:.4f},{v:.4f}')
+    return '\n'.join(rows)
+
+
+@pytest.mark.parametrize(
+    ('column', 'text'),
+    [
+        ('stamp', lambda stamp: repr(stamp * 1e-9)),
+        ('stamp', lambda stamp: str(stamp + 4_900_000)),
+        ('stamp', lambda stamp: str(stamp - 4_900_000)),
+        ('time', lambda stamp: f'{seconds(stamp) + 4e-4:.3f}'),
+    ],
+)
+def test_keypoints_belong_to_the_nearest_depth_image(tmp_path, column, text):
+    # Stamps that no float has exactly.
+    shift = 33_333_333
+    recording = tmp_path / 'depth.mcap'
+    with RecordingWriter(recording) as writer:
+        for stamp in stamps():
+            writer.write_frame(frame(stamp + shift))
+    table = tmp_path / 'pixels.csv'
+    first = 0 if column == 'time' else shift
+    table.write_text(keypoint_rows([text(stamp + first) for stamp in stamps()], column))
+    options = ('--from', 'keypoints', '--source', table, '--joints', 'lsc_pose')
+    assert_behind_the_surface(label(tmp_path, recording, *options), ['head'])
+
+
+def test_keypoints_of_other_times_are_told_with_their_distance(tmp_path, capsys):
+    recording = write_recording(tmp_path / 'depth.mcap')
+    table = tmp_path / 'pixels.csv'
+    table.write_text(keypoint_rows([stamp + 6_000_000 for stamp in stamps()]))
+    options = ('--from', 'keypoints', '--source', table, '--joints', 'lsc_pose')
+    said = fails(capsys, recording, '-o', tmp_path / 'labelled.mcap', *options)
+    assert '5 images with keypoints have no depth image within 5 ms of their stamp' in said
+    assert 'the closest is 6.0 ms away' in said
+    assert '--time-offset' in said
+    assert 'the column frame' in said
+    labels = label(tmp_path, recording, *options, '--time-offset', -0.004)
+    assert_behind_the_surface(labels, ['head'])
+    table.write_text(keypoint_rows(range(3, 8), 'frame'))
+    label(tmp_path, recording, *options)
+    said = capsys.readouterr().err
+    assert '3 images with keypoints have the number of no depth image; the 5 depth' in said
 
 
 def body_25(moment):

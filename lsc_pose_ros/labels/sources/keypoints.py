@@ -30,6 +30,7 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.labels.interpolation import STAMP_TOLERANCE, nearest
 from lsc_pose_ros.labels.sources.table_file import TableFormat, read_table
 from lsc_pose_ros.labels.tracks import LabelSettings, skeletons_of
 from lsc_pose_ros.labels.vocabulary import Vocabulary
@@ -76,30 +77,63 @@ class KeypointLabels:
         """Use `keypoints`, by ('stamp', nanoseconds) or ('frame', number)."""
         self._keypoints = keypoints
         self._settings = settings
-        self._used = 0
+        self._stamps = np.array(
+            sorted(value for kind, value in keypoints if kind == 'stamp'), np.int64
+        )
+        self._moments: list[int] = []
+        self._used: set[_Key] = set()
         self._without_depth = 0
 
     @property
     def warnings(self) -> Sequence[str]:
         """A sentence on keypoints without depth, and on images without a frame."""
-        unused = len(self._keypoints) - self._used
-        return [
-            text
-            for count, text in (
-                (self._without_depth, f'{self._without_depth} keypoints have no depth near them'),
-                (unused, f'{unused} images with keypoints have no depth image of their stamp'),
-            )
-            if count
-        ]
+        unused = [key for key in self._keypoints if key not in self._used]
+        stamps = [value for kind, value in unused if kind == 'stamp']
+        texts = (
+            (self._without_depth, f'{self._without_depth} keypoints have no depth near them'),
+            (len(stamps), self._far_stamps(stamps)),
+            (
+                len(unused) - len(stamps),
+                f'{len(unused) - len(stamps)} images with keypoints have the number of no depth '
+                f'image; the {len(self._moments)} depth images are numbered from 0',
+            ),
+        )
+        return [text for count, text in texts if count]
 
     def at(self, number: int, frame: Frame) -> Skeletons:
         """Return the labelled bodies of a frame; as `LabelSource.at`."""
         moment = frame.stamp - self._settings.time_offset
-        people = self._keypoints.get(('stamp', moment), self._keypoints.get(('frame', number)))
+        self._moments.append(moment)
+        key = self._key(number, moment)
+        people = self._keypoints.get(key)
         if people is None:
             return skeletons_of({})
-        self._used += 1
+        self._used.add(key)
         return skeletons_of({person.body: self._joints(person.pixels, frame) for person in people})
+
+    def _key(self, number: int, moment: int) -> _Key:
+        """Return that of the image with the nearest stamp, or else with the number."""
+        place = nearest(self._stamps, moment)
+        if place is not None and abs(int(self._stamps[place]) - moment) <= STAMP_TOLERANCE:
+            return 'stamp', int(self._stamps[place])
+        return 'frame', number
+
+    def _far_stamps(self, stamps: Sequence[int]) -> str:
+        """Return a sentence on images whose stamps are those of no depth image."""
+        moments = np.array(sorted(self._moments), np.int64)
+        places = [nearest(moments, stamp) for stamp in stamps]
+        distances = [
+            abs(int(moments[place]) - stamp)
+            for place, stamp in zip(places, stamps, strict=True)
+            if place is not None
+        ]
+        closest = min(distances, default=0)
+        return (
+            f'{len(stamps)} images with keypoints have no depth image within '
+            f'{STAMP_TOLERANCE * 1e-6:g} ms of their stamp, the closest is '
+            f'{closest * 1e-6:.1f} ms away; shift the stamps with --time-offset, or give the number '
+            'of the depth image in the column frame'
+        )
 
     def _joints(self, pixels: NDArray[np.float64], frame: Frame) -> NDArray[np.float64]:
         flat = np.concatenate([pixels, np.zeros((len(pixels), 1))], axis=1)
