@@ -387,7 +387,7 @@ def keypoint_rows(moments, column='stamp'):
         ('stamp', lambda stamp: repr(stamp * 1e-9)),
         ('stamp', lambda stamp: str(stamp + 4_900_000)),
         ('stamp', lambda stamp: str(stamp - 4_900_000)),
-        ('time', lambda stamp: f'{seconds(stamp) + 4e-4:.3f}'),
+        ('time', lambda stamp: f'{seconds(stamp) + 4e-4:.4f}'),
     ],
 )
 def test_keypoints_belong_to_the_nearest_depth_image(tmp_path, column, text):
