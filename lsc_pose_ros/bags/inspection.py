@@ -23,6 +23,7 @@ from typing import NamedTuple
 from lsc_pose_ros.bags.frames import FrameReader, open_recording
 from lsc_pose_ros.bags.storage.reader import RecordingReader, read_messages
 from lsc_pose_ros.bags.topics import Topics
+from lsc_pose_ros.data_types.skeletons import known_bodies
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.settings.table import MASK, FrameSettings
 
@@ -47,7 +48,7 @@ class RecordingReport(NamedTuple):
         messages: the number of messages that can be read.
         topics: all topics that are declared or have messages, sorted by name.
         frames: the number of complete frames: depth image, camera info, mask if there is one.
-        labelled_frames: the number of frames with ground truth.
+        labelled_frames: the number of frames with ground truth of a body: a joint that is known.
         frame_topics: the topics of the frames, by their role.
         images: the size, encoding and frame of the depth images, each kind once.
         camera: how the camera infos were read; '' without frames.
@@ -108,7 +109,8 @@ class Inspection:
         try:
             for frame in self._frames:
                 self._frame_count += 1
-                self._labelled += frame.ground_truth is not None
+                truth = frame.ground_truth
+                self._labelled += truth is not None and known_bodies(truth) > 0
                 yield frame
         except InputError as error:
             # The messages may be intact although no frame can be made of them: count messages.

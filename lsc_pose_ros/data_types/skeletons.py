@@ -109,6 +109,11 @@ def no_skeletons(joints: NDArray[np.uint16]) -> Skeletons:
     )
 
 
+def known_bodies(skeletons: Skeletons) -> int:
+    """Return how many bodies have a joint that is known."""
+    return int(np.isfinite(skeletons.positions).all(axis=-1).any(axis=-1).sum())
+
+
 def pack(skeletons: Skeletons) -> NDArray[np.void]:
     """Return `skeletons` as an organised cloud, shape (B, J).
 

@@ -22,7 +22,7 @@ from lsc_pose_ros.bags import DEFAULT_TOPICS, FrameReader, RecordingReader, Reco
 from lsc_pose_ros.bags.message_copier import MessageCopier
 from lsc_pose_ros.bags.serialization.serialize import skeletons_message
 from lsc_pose_ros.data_types.frame import Frame
-from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.labels.body_matching import numbered_as_mask
 from lsc_pose_ros.labels.tracks import LabelSource
 from lsc_pose_ros.messages.type_names import POINT_CLOUD, TF_MESSAGE
@@ -34,7 +34,7 @@ class LabelCounts:
 
     Attributes:
         frames: all frames.
-        labelled: those with a labelled body.
+        labelled: those with a labelled body, of which a joint is known.
         bodies: the labelled bodies of all frames.
         unmatched: bodies that were left out because no mask shows them.
     """
@@ -80,8 +80,8 @@ def write_labelled_copy(
         if clean is not None:
             skeletons = clean(frame, skeletons)
         counts.frames += 1
-        counts.labelled += bool(len(skeletons.bodies))
-        counts.bodies += len(skeletons.bodies)
+        counts.labelled += known_bodies(skeletons) > 0
+        counts.bodies += known_bodies(skeletons)
         data = skeletons_message(frame.stamp, frame.frame_id, skeletons)
         writer.write(topic, POINT_CLOUD, log_time, data)
         yield frame._replace(ground_truth=skeletons)

@@ -19,10 +19,13 @@ import argparse
 import json
 import re
 
+import numpy as np
 import pytest
 
+from lsc_pose_ros import open_recording
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.cli.commands import info_command
+from lsc_pose_ros.data_types.skeletons import no_skeletons
 from lsc_pose_ros.errors import InputError
 
 
@@ -52,6 +55,22 @@ def test_recording(labelled_recording, tmp_path, capsys):
         'type_name': 'sensor_msgs/msg/CameraInfo',
         'messages': 10,
     }
+
+
+def test_only_frames_with_a_known_joint_are_labelled(labelled_recording, tmp_path, capsys):
+    frames = list(open_recording(labelled_recording))
+    with RecordingWriter(tmp_path / 'some.mcap') as writer:
+        for number, frame in enumerate(frames):
+            truth = frame.ground_truth
+            if number % 5 == 1:
+                truth = no_skeletons(truth.joints)
+            elif number % 5 > 1:
+                truth = truth._replace(positions=np.full_like(truth.positions, np.nan))
+            writer.write_frame(frame._replace(ground_truth=truth))
+    assert info(tmp_path / 'some.mcap', '--json', tmp_path / 'info.json') == 0
+    assert 'frames     10, labelled 2' in capsys.readouterr().out
+    report = json.loads((tmp_path / 'info.json').read_text())
+    assert report['labelled_frames'] == 2
 
 
 def test_recording_without_frames_is_described(tmp_path, capsys):

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
-from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.evaluation.evaluate import JointEstimator
 from lsc_pose_ros.labels.checks.mirroring import (
     SideDifferences,
@@ -137,7 +137,7 @@ class LabelStudy:
         report = self._report
         report.frames += 1
         truth = frame.ground_truth
-        if truth is None or not len(truth.bodies):
+        if truth is None or not known_bodies(truth):
             return
         labels = with_all_joints(truth)
         report.labelled_frames += 1
