@@ -45,7 +45,7 @@ def bracket(
 ) -> Bracket | None:
     """Return the samples around `moment`, or None if there are none near enough.
 
-    At the ends and at the edges of a longer gap, a sample within STAMP_TOLERANCE is taken as it is.
+    At the ends and at the edges of a longer gap, a sample within STAMP_TOLERANCE is enough.
 
     Args:
         stamps: nanoseconds, ascending.

@@ -17,6 +17,7 @@
 
 import argparse
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,11 +25,10 @@ from lsc_pose_ros.bags import FrameReader, RecordingWriter, open_recording
 from lsc_pose_ros.bags.storage.writer import RECORDING
 from lsc_pose_ros.cli.input.label_sources import SOURCES, open_label_source
 from lsc_pose_ros.cli.input.labelled_frames import open_recordings
-from lsc_pose_ros.cli.options.numbers import float_from_zero, positive_float
-from lsc_pose_ros.cli.options.setting_options import add_setting_options, settings_from
+from lsc_pose_ros.cli.options.label_options import add_check_options, add_source_options
+from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.label_check import (
-    add_limit_options,
     check_labels,
     limits_from,
     tell_report,
@@ -41,14 +41,13 @@ from lsc_pose_ros.files.kinds import HTML, JSON
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.labels.body_matching import numbered_as_mask
 from lsc_pose_ros.labels.checks.problems import (
-    KINDS,
     LENGTH,
     find_problems,
     without_problems,
 )
 from lsc_pose_ros.labels.checks.study import LabelReport, UsualLengths
 from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
-from lsc_pose_ros.labels.mirrored import MIRRORS, MirroredLabels
+from lsc_pose_ros.labels.mirrored import MirroredLabels
 from lsc_pose_ros.labels.tracks import LabelSource
 from lsc_pose_ros.settings.table import MASK, FrameSettings
 from lsc_pose_ros.viz.report import PAGE_NAME
@@ -56,8 +55,11 @@ from lsc_pose_ros.viz.report import PAGE_NAME
 HELP = """Add labels (ground_truth/skeletons) to a recording, from what another program knows about
 the joints. docs/labels.md is a tutorial."""
 
-# Half of what a camera of 10 Hz leaves between two images.
-_LONGEST_GAP = 0.1
+# What only --from uses: without it, they would be ignored.
+_NEED_SOURCE = (
+    'source', 'topic', 'frames', 'joints', 'extrinsic', 'scale', 'time_offset', 'min_confidence',
+    'correct_lag', 'mirror', 'drop',
+)  # fmt: skip
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -75,115 +77,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar='LABELLED',
         help='the labelled recording: LABELLED.mcap, or a bag folder',
     )
-    _add_source_options(parser)
-    _add_check_options(parser)
+    add_source_options(parser)
+    add_check_options(parser)
     add_topic_arguments(parser)
-
-
-def _add_source_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group('where the labels come from')
-    group.add_argument(
-        '--from',
-        dest='source_kind',
-        choices=SOURCES,
-        help='; '.join(f'{name}: {text}' for name, text in SOURCES.items()),
-    )
-    group.add_argument(
-        '--source',
-        type=Path,
-        nargs='+',
-        metavar='PATH',
-        help='the file with the labels; for tf, markers and skeletons, another recording '
-        '(default: RECORDING)',
-    )
-    group.add_argument(
-        '--topic', default='', metavar='TOPIC', help='the topic of markers or skeletons'
-    )
-    group.add_argument(
-        '--frames', type=Path, metavar='YAML', help='for tf: which frame is which joint'
-    )
-    group.add_argument(
-        '--joints',
-        metavar='VOCABULARY',
-        help='the joint vocabulary: a name, such as azure or coco, or a .yaml file (default: '
-        'azure for markers, coco for keypoints, plug_in_gait for c3d, else our own names)',
-    )
-    group.add_argument(
-        '--extrinsic',
-        type=Path,
-        metavar='YAML',
-        help="the pose of the camera's optical frame in the frame of the labels (default: from "
-        'TF; a CSV file is in the frame of the camera)',
-    )
-    group.add_argument(
-        '--scale',
-        type=positive_float,
-        metavar='METRES',
-        help='metres per unit of a csv, bvh or c3d file (default: 1; for c3d what the file says)',
-    )
-    group.add_argument(
-        '--time-offset',
-        type=float,
-        default=0.0,
-        metavar='SECONDS',
-        help='is added to the times of the labels (default: %(default)s)',
-    )
-    group.add_argument(
-        '--max-gap',
-        type=float_from_zero,
-        default=_LONGEST_GAP,
-        metavar='SECONDS',
-        help='labels are interpolated between two that are at most so far apart, and left out '
-        'in longer gaps (default: %(default)s)',
-    )
-    group.add_argument(
-        '--min-confidence',
-        type=float_from_zero,
-        default=0.0,
-        metavar='C',
-        help='leave out keypoints and joints of skeletons with less (default: %(default)s)',
-    )
-    group.add_argument(
-        '--anatomy',
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help='add the offsets of the vocabulary, which put the joints where they are in our '
-        'anatomy (default: %(default)s)',
-    )
-
-
-def _add_check_options(parser: argparse.ArgumentParser) -> None:
-    group = parser.add_argument_group('check of the labels')
-    group.add_argument(
-        '--check',
-        action=argparse.BooleanOptionalAction,
-        default=True,
-        help='check the labels against depth, mask and the model; without --from, those that '
-        'RECORDING has (default: %(default)s)',
-    )
-    group.add_argument(
-        '--report', type=Path, metavar='DIR', help='write a page with the worst frames there'
-    )
-    group.add_argument('--json', type=Path, metavar='FILE', help='write what was found there')
-    group.add_argument(
-        '--correct-lag',
-        action='store_true',
-        help='if labels and depth are found to be apart in time, label again without the lag',
-    )
-    group.add_argument(
-        '--mirror', choices=MIRRORS, help='undo mirroring: exchange left and right, or negate x'
-    )
-    kinds = '; '.join(f'{name}: {text}' for name, text in KINDS.items())
-    group.add_argument(
-        '--drop',
-        nargs='+',
-        choices=KINDS,
-        default=[],
-        metavar='KIND',
-        help=f'leave out joints that are: {kinds}',
-    )
-    add_limit_options(group)
-    add_setting_options(group, 'model')
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -195,18 +91,28 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.source_kind is None:
         return _check_only(arguments)
     _check(arguments)
-    counts = _label(arguments)
+    if arguments.correct_lag:
+        _correct_lag(arguments)
+    counts = _label(arguments, arguments.drop)
     report = _report(arguments, arguments.output) if _is_checked(arguments) else None
-    lag = None if report is None else report.lag
-    if arguments.correct_lag and lag is not None and lag.found:
-        print(f'{arguments.output}: shifted by {lag.seconds:+.3f} s, the lag that was found')
-        arguments.time_offset += lag.seconds
-        counts = _label(arguments)
-        report = _report(arguments, arguments.output)
     _print(arguments.output, counts)
     if report is not None:
         tell_report(arguments.output, report, arguments.report, arguments.json)
     return 0
+
+
+def _correct_lag(arguments: argparse.Namespace) -> None:
+    """Add the lag that is found to the time offset.
+
+    It is that of all joints: at another time, others are outside of the mask.
+    """
+    _label(arguments, [])
+    report = _report(arguments, arguments.output)
+    if report.lag is None or not report.lag_found:
+        return
+    seconds = report.lag.seconds
+    print(f'{arguments.output}: shifted by {seconds:+.3f} s, the lag that was found')
+    arguments.time_offset += seconds
 
 
 def _report(arguments: argparse.Namespace, recording: Path) -> LabelReport:
@@ -220,8 +126,13 @@ def _is_checked(arguments: argparse.Namespace) -> bool:
 
 
 def _check_only(arguments: argparse.Namespace) -> int:
+    own = '--from skeletons takes the labels that the recording has'
+    unused = [name for name in _NEED_SOURCE if getattr(arguments, name)]
+    if unused and arguments.output is None:
+        msg = f'--{unused[0].replace("_", "-")} needs -o and --from; {own}'
+        raise InputError(msg)
     if arguments.output is not None or not _is_checked(arguments):
-        msg = f'name the source of the labels with --from: {", ".join(SOURCES)}'
+        msg = f'name the source of the labels with --from: {", ".join(SOURCES)}; {own}'
         raise InputError(msg)
     check_outputs(_reports(arguments), [arguments.recording])
     report = _report(arguments, arguments.recording)
@@ -229,12 +140,12 @@ def _check_only(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _label(arguments: argparse.Namespace) -> LabelCounts:
-    """Write the labelled recording and return what it contains."""
+def _label(arguments: argparse.Namespace, drop: Sequence[str]) -> LabelCounts:
+    """Write the labelled recording without the problems in `drop`; return what it contains."""
     reader = open_unturned(arguments)
     source = _source(arguments, reader)
     limits, lengths = limits_from(arguments), UsualLengths([])
-    if LENGTH in arguments.drop:
+    if LENGTH in drop:
         labelled = (
             frame._replace(ground_truth=_numbered(source.at(number, frame), frame, reader))
             for number, frame in enumerate(reader)
@@ -244,7 +155,7 @@ def _label(arguments: argparse.Namespace) -> LabelCounts:
 
     def clean(frame: Frame, skeletons: Skeletons) -> Skeletons:
         problems = find_problems(frame, skeletons, limits, lengths.at(frame.stamp))
-        return without_problems(skeletons, problems, arguments.drop)
+        return without_problems(skeletons, problems, drop)
 
     counts = LabelCounts()
     with RecordingWriter(arguments.output) as writer:
@@ -297,7 +208,8 @@ def _check_labels(counts: LabelCounts, warnings: list[str]) -> None:
     if counts.labelled:
         return
     reasons = '; '.join(warnings) or (
-        f'{counts.unmatched} bodies are not on any mask'
+        f'{counts.unmatched} bodies are not on any mask; check the place of the joints: '
+        '--extrinsic or /tf, and the unit: --scale'
         if counts.unmatched
         else 'no label has the time of a depth image (shift them with --time-offset)'
     )

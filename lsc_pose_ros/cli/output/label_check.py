@@ -41,6 +41,9 @@ _STRETCH = 30
 # From this fraction of the joints on, a kind of problem is worth a word.
 _MANY = 0.02
 
+# From this fraction on, what is left out would be the labels themselves.
+_MOST = 0.5
+
 
 def check_labels(reader: FrameReader, model: str, limits: LabelLimits) -> LabelReport:
     """Return what a check of the labels of a recording finds.
@@ -133,13 +136,7 @@ def label_facts(report: LabelReport) -> dict[str, str]:
     for kind, text in KINDS.items():
         count = report.problems[kind]
         facts[kind] = f'{100 * count / report.joints:.1f} % of the joints {text} ({count})'
-    facts['time'] = 'too little moves to tell the lag between labels and depth'
-    if report.lag is not None:
-        facts['time'] = (
-            f'labels are {abs(report.lag.frames):.1f} frames '
-            f'({abs(report.lag.seconds):.3f} s) {"early" if report.lag.frames > 0 else "late"}; '
-            f'without this, differences to the model are {100 * report.lag.gain:.0f} % smaller'
-        )
+    facts['time'] = _time_fact(report)
     sides = report.sides
     if sides.bodies:
         facts['sides'] = (
@@ -148,7 +145,7 @@ def label_facts(report: LabelReport) -> dict[str, str]:
         )
         facts['model'] = (
             f'the median distance to the estimates of {report.model} is '
-            f'{100 * report.difference:.1f} cm'
+            f'{_length(report.difference)}'
         )
     if report.length_spread:
         joint = max(report.length_spread, key=lambda name: report.length_spread[name])
@@ -159,10 +156,35 @@ def label_facts(report: LabelReport) -> dict[str, str]:
     return facts
 
 
+def _time_fact(report: LabelReport) -> str:
+    lag = report.lag
+    if lag is None:
+        return 'too little moves to tell the lag between labels and depth'
+    if not report.lag_found:
+        return 'no lag between labels and depth was found'
+    return (
+        f'labels are {abs(lag.frames):.1f} frames ({abs(lag.seconds):.3f} s) '
+        f'{"early" if lag.frames > 0 else "late"}; '
+        f'without this, differences to the model are {100 * lag.gain:.0f} % smaller'
+    )
+
+
+def _length(metres: float) -> str:
+    return f'{100 * metres:.1f} cm' if metres < 1 else f'{metres:.3g} m'
+
+
 def label_advice(report: LabelReport) -> list[str]:
-    """Return a sentence for each thing that should be done."""
+    """Return a sentence for each thing that should be done.
+
+    Labels in another place have only that one: what else is found follows from it.
+    """
+    if report.sides.all_mirrored:
+        return ['the labels are mirrored against the images: label again with --mirror x']
+    if report.elsewhere:
+        far = f'the joints are {_length(report.difference)} from the estimates of the model'
+        return [f'{far}: check --scale and --extrinsic']
     advice: list[str] = []
-    if report.lag is not None and report.lag.found:
+    if report.lag is not None and report.lag_found:
         advice.append(
             f'labels and depth are {abs(report.lag.frames):.1f} frames apart: label again with '
             f'--time-offset {report.lag.seconds:+.3f} more, or with --correct-lag'
@@ -172,19 +194,23 @@ def label_advice(report: LabelReport) -> list[str]:
             'left and right are exchanged throughout: the recording is mirrored, or the names '
             'are those of the viewer; label again with --mirror names, or mirror the images'
         )
-    elif report.sides.all_mirrored:
-        advice.append('the labels are mirrored against the images: label again with --mirror x')
     elif report.sides.exchanged > _MANY:
         advice.append(
             f'left and right of {100 * report.sides.exchanged:.1f} % of the bodies are exchanged: '
             'look at the worst frames (--report)'
         )
-    advice += [
-        f'{100 * count / report.joints:.1f} % of the joints are {KINDS[kind]}: leave them out '
-        f'with --drop {kind}'
-        for kind, count in report.problems.items()
-        if count > _MANY * report.joints
-    ]
+    return advice + _problem_advice(report)
+
+
+def _problem_advice(report: LabelReport) -> list[str]:
+    advice = []
+    for kind, count in report.problems.items():
+        part = count / report.joints
+        remedy = f'leave them out with --drop {kind}'
+        if part > _MOST:
+            remedy = 'check --extrinsic, --scale and --time-offset'
+        if part > _MANY:
+            advice.append(f'{100 * part:.1f} % of the joints are {KINDS[kind]}: {remedy}')
     return advice
 
 
@@ -199,7 +225,7 @@ def label_results(recording: Path, report: LabelReport) -> dict[str, object]:
         'problems': report.problems,
         'lag_frames': None if lag is None else lag.frames,
         'lag_seconds': None if lag is None else lag.seconds,
-        'lag_found': lag is not None and lag.found,
+        'lag_found': report.lag_found,
         'exchanged': report.sides.exchanged,
         'mirrored': report.sides.mirrored,
         'compared_bodies': report.sides.bodies,

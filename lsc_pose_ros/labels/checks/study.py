@@ -52,6 +52,9 @@ _PAUSE = 2.5
 # Limbs are compared with those of so long before and after, nanoseconds.
 _AROUND = 1_000_000_000
 
+# Further from the estimates, labels are in another place, not in another anatomy; metres.
+_ELSEWHERE = 0.5
+
 # In the ranking of the worst frames, an exchange of left and right counts as so many joints.
 _EXCHANGE_WEIGHT = 6
 
@@ -100,6 +103,16 @@ class LabelReport:
     difference: float = float('nan')
     worst: list[WorstFrame] = field(default_factory=list)
     model: str = ''
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether the labels are so far from the estimates that their unit or frame is wrong."""
+        return self.difference > _ELSEWHERE
+
+    @property
+    def lag_found(self) -> bool:
+        """Whether labels and depth are apart in time, which only labels in place can tell."""
+        return self.lag is not None and self.lag.found and not self.elsewhere
 
 
 class LabelStudy:

@@ -89,13 +89,14 @@ class KeypointLabels:
         """A sentence on keypoints without depth, and on images without a frame."""
         unused = [key for key in self._keypoints if key not in self._used]
         stamps = [value for kind, value in unused if kind == 'stamp']
+        others = len(unused) - len(stamps)
+        numbered = f'the {len(self._moments)} depth images are numbered from 0'
         texts = (
             (self._without_depth, f'{self._without_depth} keypoints have no depth near them'),
             (len(stamps), self._far_stamps(stamps)),
             (
-                len(unused) - len(stamps),
-                f'{len(unused) - len(stamps)} images with keypoints have the number of no depth '
-                f'image; the {len(self._moments)} depth images are numbered from 0',
+                others,
+                f'{others} images with keypoints have the number of no depth image; {numbered}',
             ),
         )
         return [text for count, text in texts if count]
@@ -131,8 +132,8 @@ class KeypointLabels:
         return (
             f'{len(stamps)} images with keypoints have no depth image within '
             f'{STAMP_TOLERANCE * 1e-6:g} ms of their stamp, the closest is '
-            f'{closest * 1e-6:.1f} ms away; shift the stamps with --time-offset, or give the number '
-            'of the depth image in the column frame'
+            f'{closest * 1e-6:.1f} ms away; shift the stamps with --time-offset, or give the '
+            'number of the depth image in the column frame'
         )
 
     def _joints(self, pixels: NDArray[np.float64], frame: Frame) -> NDArray[np.float64]:
