@@ -25,7 +25,7 @@ from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.cli.options.frame_selection import pick, spread
 from lsc_pose_ros.data_types.frame import Frame
-from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.skeletons import Skeletons, no_skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.model_io.model_file import save_model
 from lsc_pose_ros.synthetic.generator import SyntheticSettings, synthetic_frames
@@ -109,7 +109,7 @@ def test_sheet_is_drawn_with_a_model(
     output = tmp_path / 'sheet.png'
     words = ['view', str(recording), '-o', str(output), '--model', str(model), '--frames', '3']
     assert main(words) == 0
-    assert capsys.readouterr() == (f'{output}: 3 frames\n', '')
+    assert capsys.readouterr() == (f'{output}: 3 frames, 3 of them with joints\n', '')
     width, height = size_of(output)
     assert width > height
 
@@ -132,6 +132,63 @@ def test_without_a_model_the_ground_truth_is_drawn(
     assert main(['view', str(recording), '-o', str(tmp_path / 'a.png')]) == 0
     assert len(drawn) == FRAMES
     assert all(each.estimate is None and each.frame.ground_truth is not None for each in drawn)
+
+
+def partly_labelled(frames: list[Frame], path: Path, labelled: set[int]) -> Path:
+    with RecordingWriter(path) as writer:
+        for number, frame in enumerate(frames):
+            truth = frame.ground_truth
+            assert truth is not None
+            if number not in labelled:
+                truth = no_skeletons(truth.joints)
+            writer.write_frame(frame._replace(ground_truth=truth))
+    return path
+
+
+def test_frames_with_labels_are_drawn_if_not_all_have_some(
+    people: list[Frame],
+    tmp_path: Path,
+    drawn: list[DrawnFrame],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = partly_labelled(people, tmp_path / 'some.mcap', {1, 4, 8})
+    words = ['view', str(path), '-o', str(tmp_path / 'a.png'), '--frames', '3']
+    assert main(words) == 0
+    assert [each.label for each in drawn] == ['frame 1', 'frame 4', 'frame 8']
+    assert '3 frames, 3 of them with joints' in capsys.readouterr().out
+    drawn.clear()
+    assert main([*words[:4], '--at', '3', '4']) == 0
+    assert '2 frames, 1 of them with joints' in capsys.readouterr().out
+
+
+def test_frames_are_drawn_if_no_label_is_known(
+    people: list[Frame],
+    tmp_path: Path,
+    drawn: list[DrawnFrame],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    path = partly_labelled(people, tmp_path / 'none.mcap', set())
+    assert main(['view', str(path), '-o', str(tmp_path / 'a.png'), '--frames', '3']) == 0
+    assert len(drawn) == 3
+    assert '3 frames, 0 of them with joints' in capsys.readouterr().out
+
+
+def test_frames_with_estimates_are_drawn_if_not_all_have_some(
+    people: list[Frame], tmp_path: Path, drawn: list[DrawnFrame]
+) -> None:
+    path = tmp_path / 'a.mcap'
+    with RecordingWriter(path) as writer:
+        for number, frame in enumerate(people):
+            bare = frame._replace(ground_truth=None)
+            writer.write_frame(bare)
+            if number in {2, 3, 7}:
+                writer.write_skeletons(
+                    '/skeletons', frame.stamp, frame.frame_id, beside(frame, 0.1)
+                )
+    assert main(['view', str(path), '-o', str(tmp_path / 'a.png'), '--frames', '2']) == 0
+    assert len(drawn) == 2
+    assert {each.label for each in drawn} <= {'frame 2', 'frame 3', 'frame 7'}
+    assert all(each.estimate is not None for each in drawn)
 
 
 @pytest.mark.parametrize(('topic', 'metres'), [('/one/skeletons', 0.1), ('/two/skeletons', 0.2)])

@@ -17,17 +17,22 @@
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from lsc_pose_ros.bags import FrameReader, read_messages
-from lsc_pose_ros.cli.input.recorded_skeletons import find_skeletons_topic, read_skeletons_at
+from lsc_pose_ros.bags import FrameReader, RecordingReader, read_messages
+from lsc_pose_ros.cli.input.recorded_skeletons import (
+    find_skeletons_topic,
+    read_skeletons_at,
+    stamps_with_joints,
+)
 from lsc_pose_ros.cli.options.frame_selection import NumberedFrame, pick, spread
 from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
 from lsc_pose_ros.cli.output.progress import progress
-from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import PNG
 from lsc_pose_ros.files.output_check import Output, check_outputs
@@ -39,7 +44,7 @@ from lsc_pose_ros.resources.package_files import DEFAULT_MODEL, find_model, ship
 from lsc_pose_ros.settings.table import MASK
 from lsc_pose_ros.viz.drawing.canvas import save_png
 from lsc_pose_ros.viz.report.contact_sheet import contact_sheet
-from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame
+from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, has_joints
 from lsc_pose_ros.viz.stages.shown_body import ShownBody, show_body
 from lsc_pose_ros.viz.stages.stage_sheet import stage_sheet, write_stages
 
@@ -73,7 +78,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=positive_int,
         default=DEFAULT_FRAMES,
         metavar='N',
-        help='draw N frames, spread evenly over the recording (default: %(default)s)',
+        help='draw N frames, spread evenly over the recording, or over its frames with skeletons '
+        '(default: %(default)s)',
     )
     which.add_argument(
         '--at', type=_frame_number, nargs='+', metavar='FRAME', help='draw these, counted from 0'
@@ -176,11 +182,17 @@ def _is_picture(output: Path) -> bool:
 def _draw_sheet(
     arguments: argparse.Namespace, reader: FrameReader, estimator: Estimator | None
 ) -> None:
-    chosen = _choose(arguments, reader)
     if estimator is None:
-        skeletons = _recorded(arguments, reader, chosen)
+        recording, topic = _recorded_topic(arguments, reader)
+        chosen = _choose(arguments, reader, _shows_joints(recording, topic, reader))
+        stamps = {frame.stamp for _, frame in chosen}
+        recorded = read_skeletons_at(recording, topic, stamps) if topic else {}
+        skeletons = {
+            number: recorded[frame.stamp] for number, frame in chosen if frame.stamp in recorded
+        }
         settings = Settings()
     else:
+        chosen = _choose(arguments, reader, None)
         skeletons = _estimated(estimator, chosen)
         settings = estimator.model.settings
     drawn = [
@@ -188,7 +200,8 @@ def _draw_sheet(
         for number, frame in chosen
     ]
     save_png(contact_sheet(drawn, arguments.recording.name), arguments.output)
-    print(f'{arguments.output}: {len(drawn)} frames')
+    count = sum(has_joints(each) for each in drawn)
+    print(f'{arguments.output}: {len(drawn)} frames, {count} of them with joints')
 
 
 def _estimated(estimator: Estimator, chosen: Sequence[NumberedFrame]) -> dict[int, Skeletons]:
@@ -199,24 +212,42 @@ def _estimated(estimator: Estimator, chosen: Sequence[NumberedFrame]) -> dict[in
     }
 
 
-def _recorded(
-    arguments: argparse.Namespace, reader: FrameReader, chosen: Sequence[NumberedFrame]
-) -> dict[int, Skeletons]:
-    """Return the recorded skeletons of the chosen frames, by their numbers."""
+def _recorded_topic(
+    arguments: argparse.Namespace, reader: FrameReader
+) -> tuple[RecordingReader, str]:
+    """Return the messages of the recording, and the topic of its skeletons, '' for none."""
     recording = read_messages(arguments.recording)
-    topic = find_skeletons_topic(recording, arguments.skeletons_topic, reader.topics.ground_truth)
-    if not topic:
-        return {}
-    recorded = read_skeletons_at(recording, topic, {frame.stamp for _, frame in chosen})
-    return {number: recorded[frame.stamp] for number, frame in chosen if frame.stamp in recorded}
+    truth = reader.topics.ground_truth
+    return recording, find_skeletons_topic(recording, arguments.skeletons_topic, truth)
 
 
-def _choose(arguments: argparse.Namespace, reader: FrameReader) -> list[NumberedFrame]:
+def _shows_joints(
+    recording: RecordingReader, topic: str, reader: FrameReader
+) -> Callable[[Frame], bool] | None:
+    """Return what tells whether a frame has skeletons; None if no frame has any."""
+    if not topic and not reader.topics.ground_truth:
+        return None
+    stamps = stamps_with_joints(recording, topic) if topic else set()
+
+    def shows_joints(frame: Frame) -> bool:
+        truth = frame.ground_truth
+        return frame.stamp in stamps or (truth is not None and known_bodies(truth) > 0)
+
+    return shows_joints
+
+
+def _choose(
+    arguments: argparse.Namespace, reader: FrameReader, suitable: Callable[[Frame], bool] | None
+) -> list[NumberedFrame]:
+    """Return the frames to draw: if any is suitable, only those are, except for --at."""
+    chosen: list[NumberedFrame] = []
     if arguments.at:
         total = max(arguments.at) + 1
         frames = progress(reader, total, 'reading')
         chosen = pick(frames, arguments.at, str(arguments.recording))
-    else:
+    elif suitable is not None:
+        chosen = spread(progress(reader, reader.count, 'reading'), arguments.frames, suitable)
+    if not chosen:
         chosen = spread(progress(reader, reader.count, 'reading'), arguments.frames)
     _warn(reader)
     return chosen

@@ -20,7 +20,7 @@ from collections.abc import Collection
 from lsc_pose_ros.bags import RecordingReader, TopicSummary
 from lsc_pose_ros.bags.estimated_copy import SKELETONS_TOPIC
 from lsc_pose_ros.bags.serialization.deserialize import DamagedMessageError, read_skeletons
-from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.messages.type_names import POINT_CLOUD
 
@@ -78,6 +78,19 @@ def read_skeletons_at(
         if len(found) == len(wanted):
             break
     return found
+
+
+def stamps_with_joints(recording: RecordingReader, topic: str) -> set[int]:
+    """Return the stamps (nanoseconds) at which the skeletons of `topic` have a known joint."""
+    stamps = set()
+    for message in recording.select({topic}):
+        try:
+            stamp, skeletons = read_skeletons(message.data)
+        except (DamagedMessageError, InputError):
+            continue  # what cannot be read is told when the frames are drawn
+        if known_bodies(skeletons):
+            stamps.add(stamp)
+    return stamps
 
 
 def _has_clouds(topic: TopicSummary) -> bool:

@@ -15,7 +15,7 @@
 
 """Selects frames of a recording: evenly distributed, or by number."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 from lsc_pose_ros.data_types.frame import Frame
@@ -30,16 +30,19 @@ class NumberedFrame(NamedTuple):
     frame: Frame
 
 
-def spread(frames: Iterable[Frame], wanted: int) -> list[NumberedFrame]:
-    """Return `wanted` evenly distributed frames, or all if there are fewer.
+def spread(
+    frames: Iterable[Frame], wanted: int, suitable: Callable[[Frame], bool] = lambda _: True
+) -> list[NumberedFrame]:
+    """Return `wanted` evenly distributed ones of the suitable frames, or all if there are fewer.
 
     One pass over any number of frames, of which fewer than 4 `wanted` are held: every frame at
     first, and each time that these become too many, every second of them is let go.
     """
     kept: list[NumberedFrame] = []
     stride = 1
-    for number, frame in enumerate(frames):
-        if number % stride == 0:
+    numbered = (each for each in enumerate(frames) if suitable(each[1]))
+    for place, (number, frame) in enumerate(numbered):
+        if place % stride == 0:
             kept.append(NumberedFrame(number, frame))
             if len(kept) == 4 * wanted:
                 kept = kept[::2]

@@ -28,7 +28,7 @@ from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import names_of
-from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.evaluation.evaluate import joint_errors
 from lsc_pose_ros.pose.estimator import bodies_in
 from lsc_pose_ros.pose.settings import Settings
@@ -61,6 +61,12 @@ class DrawnFrame(NamedTuple):
     frame: Frame
     estimate: Skeletons | None = None
     settings: Settings = Settings()
+
+
+def has_joints(drawn: DrawnFrame) -> bool:
+    """Return whether a skeleton is drawn: an estimate or the ground truth of a known joint."""
+    shown = (drawn.estimate, drawn.frame.ground_truth)
+    return any(each is not None and known_bodies(each) > 0 for each in shown)
 
 
 def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
