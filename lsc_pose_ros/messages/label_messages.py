@@ -21,6 +21,10 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.messages.parse import parse_skeletons
 from lsc_pose_ros.messages.stamps import nanoseconds
 
+# LINE_STRIP, LINE_LIST, CUBE_LIST, SPHERE_LIST, POINTS and TRIANGLE_LIST of
+# visualization_msgs/Marker: their position is that of no single point.
+_LISTS = (4, 5, 6, 7, 8, 11)
+
 _DELETE = (2, 3)  # DELETE and DELETEALL of visualization_msgs/Marker
 
 
@@ -52,6 +56,13 @@ class MarkerPoint(NamedTuple):
     position: tuple[float, float, float]
 
 
+class MarkerPoints(NamedTuple):
+    """The markers with one position each, and how many others have lists of points."""
+
+    points: list[MarkerPoint]
+    lists: int
+
+
 class FramedSkeletons(NamedTuple):
     """Skeletons with the name of the frame that they are in; `stamp` in nanoseconds."""
 
@@ -74,9 +85,10 @@ def parse_stamped_transforms(message: Any) -> list[StampedTransform]:  # noqa: A
     ]
 
 
-def parse_marker_points(message: Any) -> list[MarkerPoint]:  # noqa: ANN401
+def parse_marker_points(message: Any) -> MarkerPoints:  # noqa: ANN401
     """Return the positions of a visualization_msgs/MarkerArray, without deleted markers."""
-    return [
+    shown = [each for each in message.markers if each.action not in _DELETE]
+    points = [
         MarkerPoint(
             nanoseconds(each.header.stamp),
             each.header.frame_id,
@@ -84,9 +96,10 @@ def parse_marker_points(message: Any) -> list[MarkerPoint]:  # noqa: ANN401
             int(each.id),
             _xyz(each.pose.position),
         )
-        for each in message.markers
-        if each.action not in _DELETE
+        for each in shown
+        if each.type not in _LISTS
     ]
+    return MarkerPoints(points, len(shown) - len(points))
 
 
 def parse_framed_skeletons(message: Any) -> FramedSkeletons:  # noqa: ANN401

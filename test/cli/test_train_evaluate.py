@@ -75,7 +75,9 @@ def test_train_writes_a_model_and_its_figures(recordings, tmp_path, capsys):
     words = ['train', *recordings, '-o', str(path), *SMALL, '--seed', '7', '--json', str(figures)]
     assert main(words) == 0
     captured = capsys.readouterr()
-    assert re.match(r'.*me\.npz: 170 people, 2 trees, \d+ leaves', captured.out)
+    assert re.match(
+        r'.*me\.npz: 170 labelled bodies in all frames, 2 trees, \d+ leaves', captured.out
+    )
     assert '\r' not in captured.err  # no progress bar where there is no terminal
     found = load_model(path)
     assert found.settings.points == 120

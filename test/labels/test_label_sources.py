@@ -37,6 +37,7 @@ from label_recordings import (
     stamps,
     tf,
     transform,
+    vector,
     write_recording,
 )
 
@@ -184,6 +185,38 @@ def test_markers_that_are_named_by_their_namespace(tmp_path):
     vocabulary.write_text('joints: {head: SKULL}\n')
     labels = label(tmp_path, recording, '--from', 'markers', '--joints', vocabulary)
     assert_right(labels, ['head'])
+
+
+def test_markers_of_this_node_point_to_its_skeletons(tmp_path, capsys):
+    messages = []
+    for stamp in stamps():
+        shape = sphere(stamp, 1, (0, 0, 0), namespace='joints')
+        shape.type = 7  # SPHERE_LIST
+        shape.points = [vector('Point', joint) for joint in pose(seconds(stamp))]
+        messages.append(markers(stamp, [shape], '/pose_node/joint_markers'))
+    recording = write_recording(tmp_path / 'own.mcap', messages)
+    said = fails(capsys, recording, '-o', tmp_path / 'labelled.mcap', '--from', 'markers')
+    assert 'the markers of /pose_node/joint_markers are lists of points' in said
+    assert '--from skeletons' in said
+
+
+def test_tf_of_an_absent_body_is_one_warning(tmp_path, capsys):
+    messages = []
+    for stamp in stamps():
+        known = [
+            transform(stamp, CAMERA_FRAME, f'{name}_1', joint)
+            for name, joint in zip(JOINT_NAMES, pose(seconds(stamp)), strict=True)
+            if name != 'l_hand' or stamp != START
+        ]
+        messages.append(tf(stamp, known))
+    recording = write_recording(tmp_path / 'alone.mcap', messages)
+    mapping = tmp_path / 'frames.yaml'
+    mapping.write_text("pattern: '{joint}_{body}'\nbodies: [1, 2]\n")
+    label(tmp_path, recording, '--from', 'tf', '--frames', mapping)
+    first, second = sorted(capsys.readouterr().err.splitlines())
+    assert 'body 1: the TF frame l_hand_1 is not known at the time of 1 depth images' in first
+    assert 'body 2: 20 TF frames (head_2, neck_2, torso_2, ...) are not known' in second
+    assert 'at the time of 5 depth images' in second
 
 
 def test_skeletons_of_another_camera(tmp_path, extrinsic):
@@ -486,7 +519,11 @@ def test_unusable_sources_are_told_and_nothing_is_written(tmp_path, capsys):
     begin = (recording, '-o', output, '--from')
     table = tmp_path / 'joints.csv'
     table.write_text('stamp,joint,x,y,z\n17,nose,0,0,1\n')
-    assert 'line 2: unknown joint' in fails(capsys, *begin, 'csv', '--source', table)
+    assert 'line 2: the vocabulary lsc_pose has no joint' in fails(
+        capsys, *begin, 'csv', '--source', table
+    )
+    table.write_text('stamp,joint,u,v\n17,l_wrist,0,0\n')
+    assert 'take --joints lsc_pose' in fails(capsys, *begin, 'keypoints', '--source', table)
     table.write_text('stamp,joint,x,y,z\n17,head,0,0,1\n')
     assert '--time-offset' in fails(capsys, *begin, 'csv', '--source', table)
     table.write_text('stamp,joint,x,y\n')

@@ -21,7 +21,7 @@ from pathlib import Path
 
 from lsc_pose_ros.bags import RecordingReader
 from lsc_pose_ros.bags.topics import DEFAULT_TOPICS
-from lsc_pose_ros.cli.input.joint_sequence import read_joint_sequence
+from lsc_pose_ros.cli.input.joint_sequence import JointSequence, read_joint_sequence
 from lsc_pose_ros.cli.output.joint_tables import KINDS_OF_TABLES, write_joints
 from lsc_pose_ros.files.output_check import Output, check_outputs
 
@@ -94,7 +94,12 @@ def run(arguments: argparse.Namespace) -> int:
             file=sys.stderr,
         )
     print(
-        f'{arguments.output}: {len(sequence.stamps)} bodies of {len(set(sequence.bodies))} '
-        f'numbers, {len(sequence.joints)} joints of {sequence.topic}, in {sequence.frame_id}'
+        f'{arguments.output}: {len(sequence.stamps)} skeletons of {_bodies(sequence)}, '
+        f'{len(sequence.joints)} joints of {sequence.topic}, in {sequence.frame_id}'
     )
     return 0
+
+
+def _bodies(sequence: JointSequence) -> str:
+    count = len(set(sequence.bodies))
+    return f'{count} {"body" if count == 1 else "bodies"}'

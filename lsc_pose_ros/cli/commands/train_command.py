@@ -135,8 +135,8 @@ def run(arguments: argparse.Namespace) -> int:
         checkpoint.remove()
     results = _results(arguments, model, time.perf_counter() - begin) | {'bytes': size}
     print(
-        f'{arguments.output}: {results["people"]} people, {len(model.forest.roots)} trees, '
-        f'{results["leaves"]} leaves, {size / 1e6:.1f} MB, '
+        f'{arguments.output}: {results["people"]} labelled bodies in all frames, '
+        f'{len(model.forest.roots)} trees, {results["leaves"]} leaves, {size / 1e6:.1f} MB, '
         f'{results["seconds"]:.0f} s'
     )
     if arguments.json:

@@ -64,11 +64,14 @@ def marker_samples(
         vocabulary: says how the markers are numbered.
 
     Raises:
-        InputError: there is no such topic, or it is ambiguous.
+        InputError: there is no such topic, it is ambiguous, or its markers are lists of points.
     """
     topic = find_topic(recording, topic, MARKER_ARRAY)
-    for points in _messages(recording, topic, MARKER_ARRAY, parse_marker_points):
-        for point in points:
+    single = lists = 0
+    for markers in _messages(recording, topic, MARKER_ARRAY, parse_marker_points):
+        single += len(markers.points)
+        lists += markers.lists
+        for point in markers.points:
             per_body = vocabulary.joints_per_body
             if per_body:
                 body, joint = divmod(point.identifier, per_body)
@@ -78,6 +81,12 @@ def marker_samples(
                 body, joint, known = point.identifier, number or 0, number is not None
             if known:
                 yield JointSample(point.stamp, point.frame_id, body, joint, point.position)
+    if lists and not single:
+        msg = (
+            f'{recording.path}: the markers of {topic} are lists of points, which do not say '
+            'which joint is which; pose_node publishes skeletons, too: take --from skeletons'
+        )
+        raise InputError(msg)
 
 
 def skeleton_samples(

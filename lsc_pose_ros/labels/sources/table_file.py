@@ -21,9 +21,10 @@ from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import NamedTuple, NoReturn
 
+from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.tracks import JointSample
-from lsc_pose_ros.labels.vocabulary import Vocabulary
+from lsc_pose_ros.labels.vocabulary import OWN, Vocabulary
 
 # Larger stamps are nanoseconds: as seconds, it would be the year 5138.
 _MOST_SECONDS = 100_000_000_000
@@ -139,14 +140,20 @@ class _RowReader:
             self._fail(f'the body {body:g} is not a number from 0 to {_LARGEST_BODY}')
         joint = self._form.vocabulary.number_of(self._row['joint'])
         if joint is None:
-            names = ', '.join(self._form.vocabulary.names)
-            self._fail(
-                f'unknown joint {self._row["joint"]!r:.40}; --joints names the vocabulary, whose '
-                f'joints are {names}'
-            )
+            self._fail(self._unknown_joint(self._row['joint']))
         columns = (*self._form.columns, *self._form.optional)
         values = tuple(self._number(name, 'nan') for name in columns)
         return TableRow(stamp, frame, int(body), joint, values)
+
+    def _unknown_joint(self, word: str) -> str:
+        vocabulary = self._form.vocabulary
+        if word in JOINT_NAMES:
+            known = f'it is one of our own names: take --joints {OWN}'
+        else:
+            known = (
+                f'--joints names the vocabulary, whose joints are {", ".join(vocabulary.names)}'
+            )
+        return f'the vocabulary {vocabulary.path.stem} has no joint {word!r:.40}; {known}'
 
     def _moment(self) -> tuple[int | None, int | None]:
         if self._row.get('stamp'):

@@ -32,6 +32,9 @@ from lsc_pose_ros.resources.yaml_tables import read_yaml
 
 _LARGEST_BODY = 65535
 
+# A warning names so many of the frames that are missing.
+_SHOWN = 3
+
 
 class JointFrame(NamedTuple):
     """The frame of one joint, and the joint's position in it, metres."""
@@ -57,7 +60,7 @@ class FrameLabels:
         self._bodies = bodies
         self._transforms = transforms
         self._settings = settings
-        self._missing: dict[str, int] = defaultdict(int)
+        self._missing: dict[tuple[int, str], int] = defaultdict(int)
         frames = {each.frame_id for joints in bodies.values() for each in joints.values()}
         if not frames & transforms.frames:
             known = ', '.join(sorted(transforms.frames)[:20]) or 'no frames at all'
@@ -66,10 +69,13 @@ class FrameLabels:
 
     @property
     def warnings(self) -> Sequence[str]:
-        """A sentence for each frame that is not known at the time of some depth images."""
+        """A sentence for the frames of each body that are missing in as many depth images."""
+        groups: dict[tuple[int, int], list[str]] = defaultdict(list)
+        for (body, frame_id), count in self._missing.items():
+            groups[body, count].append(frame_id)
         return [
-            f'the TF frame {frame_id} is not known at the time of {count} depth images'
-            for frame_id, count in self._missing.items()
+            f'body {body}: {_listed(frames)} not known at the time of {count} depth images'
+            for (body, count), frames in groups.items()
         ]
 
     def at(self, number: int, frame: Frame) -> Skeletons:  # noqa: ARG002 - stamps are enough
@@ -82,11 +88,18 @@ class FrameLabels:
             for index, (frame_id, offset) in joints.items():
                 pose = self._transforms.lookup(frame.frame_id, frame_id, moment)
                 if pose is None:
-                    self._missing[frame_id] += 1
+                    self._missing[body, frame_id] += 1
                 else:
                     theirs[index] = pose.apply(np.array(offset))
             found[body] = finished(vocabulary.ours(theirs), self._settings)
         return skeletons_of(found)
+
+
+def _listed(frames: Sequence[str]) -> str:
+    if len(frames) == 1:
+        return f'the TF frame {frames[0]} is'
+    shown = ', '.join(frames[:_SHOWN]) + (', ...' if len(frames) > _SHOWN else '')
+    return f'{len(frames)} TF frames ({shown}) are'
 
 
 def load_joint_frames(path: Path, vocabulary: Vocabulary) -> dict[int, dict[int, JointFrame]]:
