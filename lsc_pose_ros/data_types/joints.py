@@ -111,6 +111,20 @@ def default_edges(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int
     return np.array(edges, dtype=np.int32).reshape(-1, 2)
 
 
+def drawn_edges(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int32]:
+    """Return `default_edges` and the line from the trunk to the pelvis, if it is known, (E, 2).
+
+    The method knows no such bone: its two trees are apart. People see one body.
+    """
+    names = names_of(numbers)
+    edges = default_edges(numbers)
+    above = [name for name in ('torso', 'neck') if name in names]
+    if 'pelvis' not in names or not above:
+        return edges
+    spine = np.array([[names.index(above[0]), names.index('pelvis')]], np.int32)
+    return np.concatenate([edges, spine])
+
+
 def leg_pairs(numbers: NDArray[np.uint16] | Sequence[int]) -> NDArray[np.int32]:
     """Return the pairs of knees, ankles and feet in `numbers` as indices (left, right), (P, 2).
 

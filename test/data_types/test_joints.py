@@ -22,6 +22,7 @@ from lsc_pose_ros.data_types.joints import (
     JOINT_NAMES,
     JOINT_NUMBERS,
     default_edges,
+    drawn_edges,
     leg_pairs,
     names_of,
     numbers_of,
@@ -44,6 +45,19 @@ def test_joints_have_their_published_numbers():
 def named_edges(names):
     numbers = numbers_of(names)
     return {tuple(names_of(numbers[edge])) for edge in default_edges(numbers)}
+
+
+def test_drawn_edges_connect_the_trunk_and_the_pelvis():
+    def spine(names):
+        numbers = numbers_of(names)
+        kept = {tuple(edge) for edge in default_edges(numbers).tolist()}
+        drawn = {tuple(edge) for edge in drawn_edges(numbers).tolist()}
+        return {tuple(names_of(numbers[list(edge)])) for edge in drawn - kept}
+
+    assert spine(JOINT_NAMES) == {('torso', 'pelvis')}
+    assert spine(['neck', 'pelvis', 'l_hip']) == {('neck', 'pelvis')}
+    assert spine(DEFAULT_JOINTS) == set()
+    assert spine(['pelvis', 'l_hip']) == set()
 
 
 def test_default_edges_form_two_trees():

@@ -45,7 +45,8 @@ def box_around(frame: Frame, body: int | None = None, aspect: float = 0.8) -> Bo
         body: the number of the only body to include; None for all.
         aspect: the box's width, divided by its height.
 
-    The box may extend beyond the image. Without a body it is the whole image.
+    The box extends beyond the image only where joints do, or where the image is too small for it.
+    Without a body it is the whole image.
     """
     labels = frame.labels
     rows, columns = np.nonzero(labels >= 0 if body is None else labels == body)
@@ -55,7 +56,8 @@ def box_around(frame: Frame, body: int | None = None, aspect: float = 0.8) -> Bo
     joints = _true_pixels(frame, body)
     x = np.concatenate([columns, joints[:, 0]])
     y = np.concatenate([rows, joints[:, 1]])
-    return _fit(Box(float(x.min()), float(y.min()), float(x.max()), float(y.max())), aspect)
+    shown = Box(float(x.min()), float(y.min()), float(x.max()), float(y.max()))
+    return _inside(_fit(shown, aspect), shown, labels.shape)
 
 
 def look_at(axes: Axes, box: Box) -> None:
@@ -73,6 +75,24 @@ def _fit(box: Box, aspect: float) -> Box:
     width, height = max(width, aspect * height), max(height, width / aspect)
     column, row = (box.left + box.right) / 2, (box.top + box.bottom) / 2
     return Box(column - width / 2, row - height / 2, column + width / 2, row + height / 2)
+
+
+def _inside(box: Box, shown: Box, size: tuple[int, ...]) -> Box:
+    """Return `box` moved into the image of `size` (H, W), as far as it keeps what is `shown`."""
+    height, width = size
+    left, right = _moved(box.left, box.right, (shown.left, shown.right), width - 0.5)
+    top, bottom = _moved(box.top, box.bottom, (shown.top, shown.bottom), height - 0.5)
+    return Box(left, top, right, bottom)
+
+
+def _moved(
+    first: float, last: float, shown: tuple[float, float], end: float
+) -> tuple[float, float]:
+    """Return a range moved into that from -0.5 to `end`, unless it or what is shown exceeds it."""
+    if last - first > end + 0.5 or shown[0] < -0.5 or shown[1] > end:
+        return first, last
+    step = max(-0.5 - first, 0.0) - max(last - end, 0.0)
+    return first + step, last + step
 
 
 def _true_pixels(frame: Frame, body: int | None) -> NDArray[np.float32]:

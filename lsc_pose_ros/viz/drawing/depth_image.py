@@ -17,7 +17,6 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import Frame
@@ -34,11 +33,8 @@ def draw_depth(axes: Axes, frame: Frame, box: Box, *, body: int | None = None) -
     """Draw the part `box` of the depth image; only `body`, or all bodies, are clear."""
     hide_axes(axes)
     axes.imshow(greys(frame, body), cmap='gray', vmin=0, vmax=1)
-    height, width = frame.depth.shape
-    # The border of the image explains why a body is cut off there.
-    axes.add_patch(
-        Rectangle((-0.5, -0.5), width, height, fill=False, edgecolor=BORDER, linewidth=0.8)
-    )
+    # What is beyond the image explains why a body is cut off there.
+    axes.set_facecolor(BORDER)
     look_at(axes, box)
 
 

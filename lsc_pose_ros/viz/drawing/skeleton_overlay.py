@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.joints import default_edges, names_of
+from lsc_pose_ros.data_types.joints import drawn_edges, names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.viz.drawing.colours import (
     GROUND_TRUTH,
@@ -74,7 +74,7 @@ def draw_bones(
         return
     names = names_of(joints)
     casing = [Stroke(linewidth=_BONE + 1.4, foreground='white'), Normal()]
-    for parent, child in default_edges(joints):
+    for parent, child in drawn_edges(joints):
         axes.plot(
             *positions[[parent, child]].T,
             color=bone_colour(names[parent], names[child]),
@@ -88,7 +88,7 @@ def draw_bones(
 
 
 def _draw_band(axes: Axes, joints: NDArray[np.uint16], positions: NDArray[np.floating]) -> None:
-    for edge in default_edges(joints):
+    for edge in drawn_edges(joints):
         axes.plot(
             *positions[edge].T,
             color=GROUND_TRUTH,

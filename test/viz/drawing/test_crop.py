@@ -28,7 +28,7 @@ def centre(box: Box) -> tuple[float, float]:
     return (box.left + box.right) / 2, (box.top + box.bottom) / 2
 
 
-@pytest.mark.parametrize('aspect', [0.5, 0.8, 2.0])
+@pytest.mark.parametrize('aspect', [0.5, 0.8, 1.5])
 def test_box_has_the_aspect_and_holds_the_body_in_its_middle(aspect: float) -> None:
     box = box_around(frame(), 7, aspect)
     assert (box.right - box.left) / (box.bottom - box.top) == pytest.approx(aspect)
@@ -37,6 +37,23 @@ def test_box_has_the_aspect_and_holds_the_body_in_its_middle(aspect: float) -> N
     assert box.right > 69
     assert box.top < 20
     assert box.bottom > 49
+
+
+def test_box_is_moved_into_the_image() -> None:
+    """Around the middle of the body, it would end 2 pixels beyond the right border."""
+    box = box_around(frame(), 7, 2.0)
+    assert box == Box(25.5, 16.0, 99.5, 53.0)
+
+
+def test_box_that_is_larger_than_the_image_keeps_the_body_in_its_middle() -> None:
+    assert centre(box_around(frame(), 7, 3.0)) == (64.5, 34.5)
+
+
+def test_box_goes_beyond_the_image_for_joints() -> None:
+    positions = np.array([[[1.2, 0.0, 2.0]]], np.float32)  # column 110 of 100
+    joints = np.array([0], np.uint16)
+    truth = Skeletons(np.array([7], np.uint16), joints, positions, np.ones((1, 1), np.float32))
+    assert box_around(frame(truth), 7).right > 110
 
 
 def test_without_a_body_named_the_box_holds_all() -> None:

@@ -15,18 +15,40 @@
 
 """Depth images in grey."""
 
+import io
+import itertools
+
 import numpy as np
 import pytest
+from PIL import Image
 from two_bodies import frame
 
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.viz.drawing.depth_image import greys
+from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure, png_bytes
+from lsc_pose_ros.viz.drawing.crop import Box
+from lsc_pose_ros.viz.drawing.depth_image import draw_depth, greys
 
 
 def test_greys_show_near_lighter_the_scene_faint_and_nothing_white() -> None:
     image = greys(frame())
     near, far, wall, nothing = image[30, 15], image[30, 65], image[30, 40], image[0, 0]
     assert far < near < wall < nothing == 1
+
+
+@house_style()
+def test_picture_has_no_line_but_what_is_beyond_the_image_is_grey() -> None:
+    figure = new_figure(2, 2)
+    axes = figure.subplots()
+    draw_depth(axes, frame(), Box(-0.5, -20.5, 99.5, 79.5))
+    with Image.open(io.BytesIO(png_bytes(figure))) as image:
+        column = np.array(image.convert('L'))[10:-10, 100].tolist()
+    # Beyond the image, its first row without depth, and the wall.
+    runs = [grey for grey, _ in itertools.groupby(column)]
+    assert runs[0] == 0xC8
+    assert runs[-1] == column[-1]
+    assert 0xC8 not in runs[1:]
+    # One pixel between two greys may have something of both.
+    assert len(runs) <= 5
 
 
 def test_greys_of_one_body_leave_the_other_faint() -> None:
