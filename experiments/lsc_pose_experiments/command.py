@@ -21,13 +21,9 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+from lsc_pose_experiments.defaults import ExperimentDefaults, full_defaults, quick_defaults
 from lsc_pose_experiments.page import PAGE_NAME, Page
-from lsc_pose_experiments.paper import (
-    EXPERIMENTS,
-    ExperimentDefaults,
-    full_defaults,
-    quick_defaults,
-)
+from lsc_pose_experiments.paper import EXPERIMENTS
 from lsc_pose_experiments.protocol import PROTOCOLS, DataSelection, folds_of
 from lsc_pose_experiments.publishing import Publisher
 from lsc_pose_experiments.running import TrialContext, run_trials

@@ -33,7 +33,7 @@ from lsc_pose_ros.viz.report.plots import curve_entry
 
 # The curves; the paper draws the mean of all joints.
 _CURVES = {MEAN if part == ALL_JOINTS else part: look for part, look in PARTS.items()}
-_MARKERS = 'osD^v'
+_MARKERS = 'osD^vX'
 
 _Value = Callable[[Row], float | None]
 

@@ -21,9 +21,17 @@ public.
 """
 
 from collections.abc import Callable
-from typing import NamedTuple
 
 from lsc_pose_experiments import claims
+from lsc_pose_experiments.defaults import (
+    GIRSHICK,
+    OURS,
+    SHOTTON,
+    ExperimentDefaults,
+    forest_trial,
+    girshick_trial,
+    shotton_trial,
+)
 from lsc_pose_experiments.experiment import (
     LIMB_ENDS,
     MEAN,
@@ -32,84 +40,12 @@ from lsc_pose_experiments.experiment import (
     Experiment,
     Variant,
 )
-from lsc_pose_experiments.shotton.part_model_training import PartModelSettings
-from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth
+from lsc_pose_experiments.systems import systems
 from lsc_pose_experiments.trial import Accuracy, Trial
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
-from lsc_pose_ros.pose.settings import Settings
-from lsc_pose_ros.training.train import TrainingSettings
-from lsc_pose_ros.training.tree_growth import GrowthSettings
 
 _THU = Accuracy(0.036, 0.952)
 _STANFORD = Accuracy(0.035, 0.982)
-
-OURS = 'ours (3DLSC + graph)'
-_GIRSHICK = 'Girshick et al.'
-_SHOTTON = 'Shotton et al.'
-
-
-class ExperimentDefaults(NamedTuple):
-    """The settings of variants that do not change them, and the values of N and M.
-
-    Attributes:
-        training: settings of the training.
-        frames: number of training frames.
-        body_parts: settings of the rival Shotton et al.
-        points: values of N in Fig. 12.
-        few_points: the N from which on the accuracy is stable according to the paper.
-        votes: values of M in Fig. 14.
-        few_votes: the M from which on the accuracy is stable according to the paper.
-    """
-
-    training: TrainingSettings
-    frames: int = 3600
-    body_parts: PartModelSettings = PartModelSettings()
-    points: tuple[int, ...] = tuple(range(100, 901, 100))
-    few_points: int = 400
-    votes: tuple[int, ...] = (1, 2, 5, 10, 20, 50, 100, 200, 300, 500)
-    few_votes: int = 100
-
-
-def full_defaults(seed: int) -> ExperimentDefaults:
-    """Return the defaults of the paper."""
-    settings = Settings(offset_seed=seed)
-    return ExperimentDefaults(TrainingSettings(numbers_of(DEFAULT_JOINTS), settings, seed=seed))
-
-
-def quick_defaults(seed: int) -> ExperimentDefaults:
-    """Return defaults that use all parts and take a minute on a small machine."""
-    settings = Settings(points=80, query_points=80, offset_seed=seed)
-    training = TrainingSettings(
-        numbers_of(DEFAULT_JOINTS),
-        settings,
-        trees=2,
-        growth=GrowthSettings(depth=9),
-        seed=seed,
-    )
-    growth = PartGrowth(depth=12, features=50)
-    body_parts = PartModelSettings(trees=2, growth=growth, pixels=300, other_pixels=100)
-    return ExperimentDefaults(
-        training,
-        frames=60,
-        body_parts=body_parts,
-        points=(40, 80, 160),
-        few_points=80,
-        votes=(1, 20, 200),
-        few_votes=20,
-    )
-
-
-def _trial(defaults: ExperimentDefaults, *, graph: bool = True, **settings: float | str) -> Trial:
-    changed = defaults.training.settings._replace(**settings)  # type: ignore[arg-type]
-    return Trial(defaults.training._replace(settings=changed), defaults.frames, graph)
-
-
-def _girshick(defaults: ExperimentDefaults) -> Trial:
-    return _trial(defaults, graph=False, feature='dcf', sample='body')
-
-
-def _shotton(defaults: ExperimentDefaults) -> Trial:
-    return Trial(defaults.training, defaults.frames, graph=False, body_parts=defaults.body_parts)
 
 
 def table1(defaults: ExperimentDefaults) -> Experiment:
@@ -156,7 +92,9 @@ def table2(defaults: ExperimentDefaults) -> Experiment:
         'Table 2: the feature',
         'The features of a point; forest and graph are the same. Paper: Stanford.',
         tuple(
-            Variant(label, _trial(defaults, feature=feature), {MEAN: Accuracy(None, fraction)})
+            Variant(
+                label, forest_trial(defaults, feature=feature), {MEAN: Accuracy(None, fraction)}
+            )
             for label, feature, fraction in features
         ),
         (
@@ -175,13 +113,13 @@ def fig6(defaults: ExperimentDefaults) -> Experiment:
         'Girshick et al. is DCF on points of the whole body, without the graph, in the same '
         "forest. Paper: THU; the text gives only the mean of the paper's own method.",
         (
-            Variant(OURS, _trial(defaults), {MEAN: _THU}),
-            Variant(_GIRSHICK, _girshick(defaults)),
+            Variant(OURS, forest_trial(defaults), {MEAN: _THU}),
+            Variant(GIRSHICK, girshick_trial(defaults)),
         ),
         (
-            claims.better(OURS, _GIRSHICK, 'Better than Girshick et al.'),
+            claims.better(OURS, GIRSHICK, 'Better than Girshick et al.'),
             claims.more_at_limb_ends(
-                OURS, _GIRSHICK, 'The gain is largest at the limb ends: elbow, wrist and hand.'
+                OURS, GIRSHICK, 'The gain is largest at the limb ends: elbow, wrist and hand.'
             ),
             claims.reaches(OURS, 0.952, 0.036, "As good as the paper's: 95.2 % and 3.6 cm."),
         ),
@@ -217,11 +155,11 @@ def fig8(defaults: ExperimentDefaults) -> Experiment:
         'Here the part of a pixel is that of the nearest joint of the ground truth, along the '
         'bones, so that it learns from the same frames as the other methods.',
         (
-            Variant(OURS, _trial(defaults), {MEAN: _STANFORD}),
-            Variant(_SHOTTON, _shotton(defaults)),
+            Variant(OURS, forest_trial(defaults), {MEAN: _STANFORD}),
+            Variant(SHOTTON, shotton_trial(defaults)),
         ),
         (
-            claims.better(OURS, _SHOTTON, 'Better than Shotton et al.'),
+            claims.better(OURS, SHOTTON, 'Better than Shotton et al.'),
             claims.reaches(OURS, 0.982, 0.035, "As good as the paper's: 98.2 % and 3.5 cm."),
         ),
     )
@@ -236,8 +174,8 @@ def fig9(defaults: ExperimentDefaults) -> Experiment:
         'The same forest; without the graph each joint is the highest mode of its own density. '
         'Paper: Stanford.',
         (
-            Variant(OURS, _trial(defaults), {MEAN: _STANFORD}),
-            Variant(alone, _trial(defaults, graph=False), {MEAN: Accuracy(0.045, 0.942)}),
+            Variant(OURS, forest_trial(defaults), {MEAN: _STANFORD}),
+            Variant(alone, forest_trial(defaults, graph=False), {MEAN: Accuracy(0.045, 0.942)}),
         ),
         (
             claims.better(OURS, alone, 'The graph helps (paper: 4.0 points, 1.0 cm).'),
@@ -256,9 +194,9 @@ def fig11(defaults: ExperimentDefaults) -> Experiment:
         "counts in one bin of the descriptor instead of eight (eq. 4). The figure's numbers are "
         'not in the text.',
         (
-            Variant(OURS, _trial(defaults)),
-            Variant(rough, _trial(defaults, smoothing_sigma=0.0)),
-            Variant(single, _trial(defaults, binning='nearest')),
+            Variant(OURS, forest_trial(defaults)),
+            Variant(rough, forest_trial(defaults, smoothing_sigma=0.0)),
+            Variant(single, forest_trial(defaults, binning='nearest')),
         ),
         (
             claims.better(OURS, rough, 'Worse without Gaussian filtering.'),
@@ -280,7 +218,7 @@ def fig12(defaults: ExperimentDefaults) -> Experiment:
         tuple(
             Variant(
                 label,
-                _trial(defaults, points=count, query_points=count),
+                forest_trial(defaults, points=count, query_points=count),
                 {MEAN: reported[count]} if count in reported else {},
                 count,
             )
@@ -306,9 +244,9 @@ def fig13(defaults: ExperimentDefaults) -> Experiment:
         'grouped by the mean length of their labelled limbs. Paper: THU; the text gives only the '
         'mean of the normalised method.',
         (
-            Variant(own, _trial(defaults), {MEAN: _THU}),
+            Variant(own, forest_trial(defaults), {MEAN: _THU}),
             *(
-                Variant(label, _trial(defaults, fixed_scale=metres))
+                Variant(label, forest_trial(defaults, fixed_scale=metres))
                 for label, metres in fixed.items()
             ),
         ),
@@ -329,7 +267,7 @@ def fig14(defaults: ExperimentDefaults) -> Experiment:
         tuple(
             Variant(
                 label,
-                _trial(defaults, heaviest_votes=count),
+                forest_trial(defaults, heaviest_votes=count),
                 {MEAN: _STANFORD} if count == 200 else {},
                 count,
             )
@@ -368,6 +306,8 @@ def fig15(defaults: ExperimentDefaults) -> Experiment:
 
 EXPERIMENTS: dict[str, Callable[[ExperimentDefaults], Experiment]] = {
     make.__name__: make
-    for make in (table1, table2, fig6, fig7, fig8, fig9, fig11, fig12, fig13, fig14, fig15)
-}
-"""All experiments by name, in the order of the paper."""
+    for make in (
+        table1, table2, fig6, fig7, fig8, fig9, fig11, fig12, fig13, fig14, fig15, systems,
+    )
+}  # fmt: skip
+"""All experiments by name: those of the paper in its order, then all systems side by side."""

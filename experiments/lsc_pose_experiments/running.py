@@ -33,9 +33,8 @@ from lsc_pose_experiments.protocol import (
     fold_key,
     folds_of,
 )
+from lsc_pose_experiments.rivals import RIVALS
 from lsc_pose_experiments.sampled_frames import decode_frames
-from lsc_pose_experiments.shotton.part_estimator import PartEstimator
-from lsc_pose_experiments.shotton.part_model_training import train_part_model
 from lsc_pose_experiments.trial import (
     ResultStore,
     Trial,
@@ -133,7 +132,7 @@ def _run_fold(
     sizes = relative_body_sizes(decode_frames(frames.test))
     for trial, ready in itertools.chain(
         _forest_trials(context, frames, pending, where),
-        _body_part_trials(context, frames, pending, where),
+        _rival_trials(context, frames, pending, where),
     ):
         evaluation = evaluate(ready.estimator, decode_frames(frames.test))
         result = TrialResult(
@@ -161,7 +160,7 @@ def _forest_trials(
 ) -> Iterator[tuple[Trial, _Trained]]:
     """Yield the trials of the method of the paper, which share work."""
     left = len(pending)
-    mine = [trial for trial in pending if trial.body_parts is None]
+    mine = [trial for trial in pending if trial.rival is None]
     for alike in _grouped(mine, _description_key):
         described = _DescribedFrames(frames, alike, context.progress, where)
         for same in _grouped(alike, _forest_key):
@@ -174,19 +173,19 @@ def _forest_trials(
                 left -= 1
 
 
-def _body_part_trials(
+def _rival_trials(
     context: TrialContext, frames: FoldFrames, pending: Sequence[Trial], where: str
 ) -> Iterator[tuple[Trial, _Trained]]:
-    """Yield the trials of the rival that classifies body parts."""
+    """Yield the trials of the rivals with estimators of their own."""
     for trial in pending:
-        if trial.body_parts is not None:
-            context.progress(f'{where}training on body parts')
+        if trial.rival is not None:
+            rival = RIVALS[type(trial.rival)]
+            context.progress(f'{where}training {rival.name}')
             begin = time.perf_counter()
             chosen = frames.train[: trial.frames]
-            joints, seed = trial.training.joints, trial.training.seed
-            model = train_part_model(chosen, joints, trial.body_parts, seed)
+            model = rival.train(chosen, trial.training.joints, trial.rival, trial.training.seed)
             seconds = time.perf_counter() - begin
-            yield trial, _Trained(PartEstimator(model), len(chosen), seconds)
+            yield trial, _Trained(rival.make(model), len(chosen), seconds)
 
 
 def _grouped(trials: Sequence[Trial], key: Callable[[Trial], str]) -> list[list[Trial]]:

@@ -25,13 +25,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_experiments.shotton import (
-    part_estimator,
-    part_forest_training,
-    part_model_training,
-    part_samples,
-)
-from lsc_pose_experiments.shotton.part_model_training import PartModelSettings
+from lsc_pose_experiments.rivals import RIVALS, RivalSettings
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.data_types.visibility import UNKNOWN
 from lsc_pose_ros.errors import InputError
@@ -49,7 +43,6 @@ _FORMAT = 2
 
 # The modules that, with those they use, determine the result of a trial.
 _PROGRAM = (train, evaluate)
-_PROGRAM_OF_BODY_PARTS = (part_estimator, part_model_training, part_samples, part_forest_training)
 
 
 class Trial(NamedTuple):
@@ -59,14 +52,14 @@ class Trial(NamedTuple):
         training: settings of the training; a joint that is never labelled is left out.
         frames: the largest number of training frames.
         graph: whether the pictorial structure is used.
-        body_parts: settings of the rival that classifies body parts. It uses of `training` only
-            the joints and the seed. None for the method of the paper.
+        rival: settings of a rival with an estimator of its own, which uses of `training` only the
+            joints and the seed. None for the method of the paper.
     """
 
     training: TrainingSettings
     frames: int
     graph: bool = True
-    body_parts: PartModelSettings | None = None
+    rival: RivalSettings | None = None
 
 
 class TrialResult(NamedTuple):
@@ -143,7 +136,7 @@ def _mean(values: Sequence[float | None]) -> float | None:
 
 def trial_key(fold: dict[str, object], trial: Trial) -> dict[str, object]:
     """Return everything that determines the result of `trial` in a fold, with the source code."""
-    modules = _PROGRAM if trial.body_parts is None else _PROGRAM + _PROGRAM_OF_BODY_PARTS
+    modules = _PROGRAM if trial.rival is None else _PROGRAM + RIVALS[type(trial.rival)].program
     return {
         'format': _FORMAT,
         'program': [source_hash(module.__name__) for module in modules],

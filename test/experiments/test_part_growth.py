@@ -18,6 +18,7 @@
 
 import numpy as np
 import pytest
+from lsc_pose_experiments.depth_comparisons import compare_cells
 from lsc_pose_experiments.shotton.part_forest import classify
 from lsc_pose_experiments.shotton.part_forest_training import train_part_forest
 from lsc_pose_experiments.shotton.part_samples import (
@@ -28,7 +29,6 @@ from lsc_pose_experiments.shotton.part_samples import (
 from lsc_pose_experiments.shotton.part_tree_growth import (
     PartGrowth,
     cells_of,
-    compare_cells,
     count_classes,
     entropy_of_both,
     entropy_times_count,

@@ -27,6 +27,9 @@ from lsc_pose_experiments.shotton.part_estimator import PartEstimator
 from lsc_pose_experiments.shotton.part_model_training import PartModelSettings, train_part_model
 from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth
 from lsc_pose_experiments.trial import ResultStore, Trial, TrialResult, join_results, trial_key
+from lsc_pose_experiments.walks.direction_tree_growth import DirectionGrowth
+from lsc_pose_experiments.walks.walk_estimator import WalkEstimator
+from lsc_pose_experiments.walks.walk_training import WalkModelSettings, train_walk_model
 
 from lsc_pose_ros.data_types.joints import names_of, numbers_of
 from lsc_pose_ros.evaluation.evaluate import evaluate
@@ -45,6 +48,7 @@ SMALL = TrainingSettings(
 )
 
 BODY_PARTS = PartModelSettings(2, PartGrowth(10, features=20), 100, 50)
+WALKS = WalkModelSettings(points=20, growth=DirectionGrowth(depth=10, features=20))
 
 
 @pytest.fixture
@@ -86,14 +90,23 @@ def test_trial_is_a_training_and_an_evaluation(trial, frames, context):
     assert len(found.errors) == 20
 
 
-def test_body_part_trial_is_a_training_and_an_evaluation(context):
-    rival = Trial(SMALL, 30, graph=False, body_parts=BODY_PARTS)
+@pytest.mark.parametrize(
+    ('settings', 'train_model', 'estimator'),
+    [
+        (BODY_PARTS, train_part_model, PartEstimator),
+        (WALKS, train_walk_model, WalkEstimator),
+    ],
+)
+def test_trial_of_a_rival_is_a_training_and_an_evaluation(
+    settings, train_model, estimator, context
+):
+    rival = Trial(SMALL, 30, graph=False, rival=settings)
     assert list(run_trials(context, [rival, Trial(SMALL, 30)])) == [Trial(SMALL, 30), rival]
     found = result_of(context, rival)
     (fold,) = folds_of(context.selection)
     drawn = FrameSampler(context.selection, 1000, context.read).frames(fold)
-    model = train_part_model(drawn.train[:30], SMALL.joints, BODY_PARTS, SMALL.seed)
-    wanted = evaluate(PartEstimator(model), decode_frames(drawn.test))
+    model = train_model(drawn.train[:30], SMALL.joints, settings, SMALL.seed)
+    wanted = evaluate(estimator(model), decode_frames(drawn.test))
     np.testing.assert_array_equal(found.errors, wanted.errors)
     np.testing.assert_array_equal(found.joints, model.joints)
     assert found.frames == 30
@@ -273,8 +286,10 @@ def test_key_changes_with_each_setting(context):
         Trial(SMALL._replace(growth=GrowthSettings(depth=7)), 60),
         Trial(SMALL._replace(leaves=SMALL.leaves._replace(clusters=1)), 60),
         Trial(SMALL._replace(seed=4), 60),
-        Trial(SMALL, 60, body_parts=BODY_PARTS),
-        Trial(SMALL, 60, body_parts=BODY_PARTS._replace(pixels=99)),
+        Trial(SMALL, 60, rival=BODY_PARTS),
+        Trial(SMALL, 60, rival=BODY_PARTS._replace(pixels=99)),
+        Trial(SMALL, 60, rival=WALKS),
+        Trial(SMALL, 60, rival=WALKS._replace(points=21)),
         Trial(SMALL._replace(joints=SMALL.joints[:-1]), 60),
     ]
     keys = [json.dumps(trial_key(key, trial)) for trial in trials]

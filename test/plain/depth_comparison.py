@@ -19,7 +19,7 @@
 import math
 
 import numpy as np
-from lsc_pose_experiments.shotton.part_forest import BEYOND
+from lsc_pose_experiments.depth_comparisons import BEYOND
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 

@@ -28,12 +28,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_experiments.depth_comparisons import depth_at
 from lsc_pose_ros.body_parts.classes import NOT_A_PERSON
 from lsc_pose_ros.body_parts.depth_grid import DepthGrid
 from lsc_pose_ros.numerics.jit import kernel
-
-BEYOND = np.float32(10.0)
-"""The depth of a cell that is unknown or outside of the image, metres."""
 
 SURE = np.float32(0.8)
 """If the first trees say "no person" with this probability, the others are not asked."""
@@ -144,10 +142,5 @@ def probe(
     depth: NDArray[np.float32], row: int, column: int, down: np.float32, across: np.float32
 ) -> np.float32:
     """Return the depth at an offset from a cell, BEYOND if it is unknown or outside."""
-    # Compared before conversion: a large offset does not fit into an integer.
     at_row, at_column = np.float32(row) + down + np.float32(0.5), np.float32(column) + across
-    at_column += np.float32(0.5)
-    if not (0 <= at_row < depth.shape[0] and 0 <= at_column < depth.shape[1]):
-        return BEYOND
-    found = depth[int(at_row), int(at_column)]
-    return found if found > 0 else BEYOND
+    return depth_at(depth, at_row, at_column + np.float32(0.5))

@@ -16,21 +16,22 @@
 
 """Growth of one tree of the body-part forest (Shotton et al., section 3.3)."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_experiments.shotton.part_forest import BEYOND
+from lsc_pose_experiments.depth_comparisons import (
+    HALF_MILLIMETRE,
+    Cells,
+    compare_cells,
+    draw_offsets,
+    draw_subset,
+    move_below,
+)
 from lsc_pose_experiments.shotton.part_samples import PartSamples
 from lsc_pose_ros.body_parts.classes import CLASSES
 from lsc_pose_ros.numerics.jit import kernel
-
-_SMALLEST_OFFSET = 0.02  # metres
-
-HALF_MILLIMETRE = np.float32(0.0005)
-"""Depths are whole millimetres, so no comparison is equal to a threshold between two of them."""
 
 LEAST_GAIN = 1e-6
 """A smaller gain is a rounding error, bits."""
@@ -139,11 +140,13 @@ def find_split(
         growth: the settings.
         logarithms: of `n_log_n`.
     """
-    cells = cells_of(samples, draw_subset(members, growth.subset))
-    values = np.empty(cells.part.shape[0], np.float32)
+    chosen = draw_subset(members, growth.subset)
+    cells = cells_of(samples, chosen)
+    parts = samples.part[chosen]
+    values = np.empty(chosen.shape[0], np.float32)
     counts = np.zeros((growth.thresholds + 1, CLASSES), np.int64)
     total = np.zeros(CLASSES, np.int64)
-    for part in cells.part:
+    for part in parts:
         total[part] += 1
     before = entropy_times_count(total, logarithms)
     best, best_gain = np.zeros(5, np.float32), LEAST_GAIN
@@ -156,7 +159,7 @@ def find_split(
             drawn = values[np.random.randint(values.shape[0])]  # noqa: NPY002
             thresholds[t] = drawn - HALF_MILLIMETRE
         thresholds.sort()
-        count_classes(cells.part, values, thresholds, counts)
+        count_classes(parts, values, thresholds, counts)
         for t in range(growth.thresholds):
             if t > 0:
                 counts[t] += counts[t - 1]
@@ -171,67 +174,16 @@ def find_split(
 
 
 @kernel
-def draw_subset(members: NDArray[np.int64], size: int) -> NDArray[np.int64]:
-    """Return up to `size` of `members`, drawn at random with replacement if there are more."""
-    if members.shape[0] <= size:
-        return members
-    chosen = np.empty(size, np.int64)
-    for n in range(size):
-        chosen[n] = members[np.random.randint(members.shape[0])]  # noqa: NPY002
-    chosen.sort()  # the images of successive samples are the same, and in the cache
-    return chosen
-
-
-@kernel
-def draw_offsets(split: NDArray[np.float32], reach: float) -> None:
-    """Draw two offsets; the second is 0 in 40 % of all cases.
-
-    Their directions are uniform. Their lengths are log-uniform: small ones find the outlines of
-    a part, large ones the rest of the body and its surroundings.
-    """
-    for k in range(2):
-        angle = 2.0 * math.pi * np.random.random()  # noqa: NPY002
-        fraction = np.random.random()  # noqa: NPY002
-        length = _SMALLEST_OFFSET * math.pow(reach / _SMALLEST_OFFSET, fraction)
-        split[2 * k], split[2 * k + 1] = length * math.cos(angle), length * math.sin(angle)
-    if np.random.random() < 0.4:  # noqa: NPY002
-        split[2] = split[3] = np.float32(0)
-
-
-class Cells(NamedTuple):
-    """The cells of n samples, copied for the many depth comparisons at a node.
-
-    Attributes:
-        first: index of the first cell of each sample's grid in `PartSamples.depth`.
-        rows, columns: the shape of the grid.
-        row, column: the sample's cell, plus 0.5.
-        across, down: cells per metre along a row and a column, at the depth of the cell.
-        z: the depth of the cell, metres.
-        part: the class.
-    """
-
-    first: NDArray[np.int64]
-    rows: NDArray[np.int64]
-    columns: NDArray[np.int64]
-    row: NDArray[np.float32]
-    column: NDArray[np.float32]
-    across: NDArray[np.float32]
-    down: NDArray[np.float32]
-    z: NDArray[np.float32]
-    part: NDArray[np.uint8]
-
-
-@kernel
 def cells_of(samples: PartSamples, members: NDArray[np.int64]) -> Cells:
     """Return the cells of some samples."""
     n = members.shape[0]
     first, rows, columns = np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
     row, column, z = np.empty(n, np.float32), np.empty(n, np.float32), np.empty(n, np.float32)
-    across, down, part = np.empty_like(z), np.empty_like(z), np.empty(n, np.uint8)
+    across, down = np.empty_like(z), np.empty_like(z)
     for k in range(n):
         member = members[k]
         image = samples.image[member]
-        first[k], part[k] = samples.start[image], samples.part[member]
+        first[k] = samples.start[image]
         rows[k], columns[k] = samples.shape[image, 0], samples.shape[image, 1]
         cell = first[k] + samples.row[member] * columns[k] + samples.column[member]
         z[k] = np.float32(samples.depth[cell]) * np.float32(0.001)
@@ -239,37 +191,7 @@ def cells_of(samples: PartSamples, members: NDArray[np.int64]) -> Cells:
         column[k] = np.float32(samples.column[member]) + np.float32(0.5)
         across[k] = samples.focal_lengths[image, 0] / z[k]
         down[k] = samples.focal_lengths[image, 1] / z[k]
-    return Cells(first, rows, columns, row, column, across, down, z, part)
-
-
-@kernel
-def compare_cells(
-    depth: NDArray[np.uint16],
-    cells: Cells,
-    split: NDArray[np.float32],
-    values: NDArray[np.float32],
-) -> None:
-    """Compute the depth comparison of each cell (eq. 1) into `values`."""
-    u_across, u_down, v_across, v_down = split[0], split[1], split[2], split[3]
-    alone = v_across == 0 and v_down == 0
-    for k in range(values.shape[0]):
-        first, rows, columns = cells.first[k], cells.rows[k], cells.columns[k]
-        row = cells.row[k] + u_down * cells.down[k]
-        column = cells.column[k] + u_across * cells.across[k]
-        value = BEYOND
-        if 0 <= row < rows and 0 <= column < columns:
-            found = depth[first + int(row) * columns + int(column)]
-            value = np.float32(found) * np.float32(0.001) if found > 0 else BEYOND
-        if alone:
-            other = cells.z[k]
-        else:
-            row = cells.row[k] + v_down * cells.down[k]
-            column = cells.column[k] + v_across * cells.across[k]
-            other = BEYOND
-            if 0 <= row < rows and 0 <= column < columns:
-                found = depth[first + int(row) * columns + int(column)]
-                other = np.float32(found) * np.float32(0.001) if found > 0 else BEYOND
-        values[k] = value - other
+    return Cells(first, rows, columns, row, column, across, down, z)
 
 
 @kernel
@@ -324,17 +246,6 @@ def entropy_of_both(
 @kernel
 def partition(samples: PartSamples, members: NDArray[np.int64], split: NDArray[np.float32]) -> int:
     """Move the members that go left to the front, in place; return their number."""
-    right = np.empty_like(members)
     values = np.empty(members.shape[0], np.float32)
     compare_cells(samples.depth, cells_of(samples, members), split, values)
-    below, above = 0, 0
-    for n in range(members.shape[0]):
-        member = members[n]
-        if values[n] < split[4]:
-            members[below] = member
-            below += 1
-        else:
-            right[above] = member
-            above += 1
-    members[below:] = right[:above]
-    return below
+    return move_below(members, values, split[4])

@@ -21,9 +21,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from lsc_pose_experiments.defaults import full_defaults
 from lsc_pose_experiments.experiment import Experiment, rows_of
 from lsc_pose_experiments.page import Page, Section, write_page
-from lsc_pose_experiments.paper import EXPERIMENTS, full_defaults
+from lsc_pose_experiments.paper import EXPERIMENTS
 from lsc_pose_experiments.trial import TrialResult
 
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of

@@ -1,0 +1,20 @@
+# Copyright 2026 lsc_pose_ros contributors
+# SPDX-License-Identifier: Apache-2.0
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The rival Random Tree Walks: each joint is the mean of the steps of a walk towards it.
+
+H. Y. Jung, S. Lee, Y. S. Heo, I. D. Yun, "Random Tree Walk toward Instantaneous 3D Human Pose
+Estimation", CVPR 2015.
+"""
