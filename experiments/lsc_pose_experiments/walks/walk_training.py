@@ -51,7 +51,7 @@ class WalkModelSettings(NamedTuple):
     """
 
     points: int = 100
-    reach: float = 0.6
+    reach: float = 0.5
     growth: DirectionGrowth = DirectionGrowth()
     walk: WalkSettings = WalkSettings()
 
