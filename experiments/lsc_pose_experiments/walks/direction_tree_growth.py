@@ -200,8 +200,8 @@ def squared_length_per_count(total: NDArray[np.float64]) -> float:
     """Return |s|^2 / n of a sum s and a number n, shape (4,); 0 for no vectors."""
     if total[3] <= 0:
         return 0.0
-    length: float = total[0] * total[0] + total[1] * total[1] + total[2] * total[2]
-    return length / total[3]
+    squared: float = (total[0] ** 2 + total[1] ** 2 + total[2] ** 2) / total[3]
+    return squared
 
 
 @kernel
