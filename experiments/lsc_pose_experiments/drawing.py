@@ -34,6 +34,7 @@ from lsc_pose_ros.viz.report.plots import curve_entry
 # The curves; the paper draws the mean of all joints.
 _CURVES = {MEAN if part == ALL_JOINTS else part: look for part, look in PARTS.items()}
 _MARKERS = 'osD^vX'
+_ENTRIES_OF_A_LINE = 6
 
 _Value = Callable[[Row], float | None]
 
@@ -59,7 +60,8 @@ def draw_experiment(experiment: Experiment, rows: list[Row]) -> Figure:
     pair = figure.subplots(1, 2, sharey=experiment.axis is None)
     for axes, quantity in zip(pair, _quantities(experiment), strict=True):
         _draw_panel(axes, experiment, rows, quantity)
-    add_legend_entries(figure, experiment_entries(experiment, rows))
+    entries = experiment_entries(experiment, rows)
+    add_legend_entries(figure, entries, lines=1 if len(entries) <= _ENTRIES_OF_A_LINE else 2)
     return figure
 
 
