@@ -70,6 +70,7 @@ class CameraInfos(Generic[CameraInfo]):
         """Add a camera info; `stamp` in nanoseconds."""
         self.newest = info
         self._infos[stamp] = info
+        self._infos.move_to_end(stamp)
         drop_oldest(self._infos, self._capacity)
         if stamp in self._image_stamps:
             self._note_match()
@@ -80,8 +81,12 @@ class CameraInfos(Generic[CameraInfo]):
         return self.newest if own is None and not self._expects_own else own
 
     def forget_stamps(self) -> None:
-        """Forget all stamps, because the next ones do not follow them; keep the newest info."""
-        self._infos.clear()
+        """Forget all stamps, because the next ones do not follow them; keep the newest info.
+
+        It may have come before the first image after the jump, to which it belongs.
+        """
+        while len(self._infos) > 1:
+            self._infos.popitem(last=False)
         self._image_stamps.clear()
 
     @property

@@ -274,3 +274,13 @@ def test_images_wait_no_longer_if_the_camera_infos_stop() -> None:
         assert len(inbox.delivered) >= number - 2
     assert inbox.delivered[-1] == ('depth19', None, 'info4')
     assert len(inbox.delivered) == 20
+
+
+def test_first_image_after_a_jump_has_the_camera_info_that_came_before_it() -> None:
+    inbox = Inbox()
+    for number in (*range(100, 103), 1):
+        inbox.synchronizer.add_camera_info(number * FRAME, f'info{number}')
+        inbox.synchronizer.add_depth(number * FRAME, f'depth{number}')
+        inbox.synchronizer.add_mask(number * FRAME, f'mask{number}')
+    assert inbox.synchronizer.rewinds == 1
+    assert inbox.delivered[-1] == ('depth1', 'mask1', 'info1')
