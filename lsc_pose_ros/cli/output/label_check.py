@@ -24,6 +24,7 @@ from lsc_pose_ros.cli.options.numbers import number_between
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.evaluation.distance_text import distance_text
 from lsc_pose_ros.labels.checks.problems import KINDS, LabelLimits
 from lsc_pose_ros.labels.checks.study import LabelReport, LabelStudy, UsualLengths
 from lsc_pose_ros.model_io.model_file import load_model
@@ -94,7 +95,13 @@ def tell_report(
         from lsc_pose_ros.viz.report.page_parts import origin_of  # noqa: PLC0415
 
         worst = [
-            DrawnFrame(f'frame {each.number}: {each.reasons}', each.frame, each.estimate)
+            DrawnFrame(
+                f'frame {each.number}: {each.reasons}',
+                each.frame,
+                each.estimate,
+                marked=each.marked,
+                compared='from the model',
+            )
             for each in report.worst
         ]
         title = f'Labels of {recording.name}'
@@ -145,7 +152,7 @@ def label_facts(report: LabelReport) -> dict[str, str]:
         )
         facts['model'] = (
             f'the median distance to the estimates of {report.model} is '
-            f'{_length(report.difference)}'
+            f'{distance_text(report.difference)}'
         )
     if report.length_spread:
         joint = max(report.length_spread, key=lambda name: report.length_spread[name])
@@ -169,10 +176,6 @@ def _time_fact(report: LabelReport) -> str:
     )
 
 
-def _length(metres: float) -> str:
-    return f'{100 * metres:.1f} cm' if metres < 1 else f'{metres:.3g} m'
-
-
 def label_advice(report: LabelReport) -> list[str]:
     """Return a sentence for each thing that should be done.
 
@@ -181,7 +184,7 @@ def label_advice(report: LabelReport) -> list[str]:
     if report.sides.all_mirrored:
         return ['the labels are mirrored against the images: label again with --mirror x']
     if report.elsewhere:
-        far = f'the joints are {_length(report.difference)} from the estimates of the model'
+        far = f'the joints are {distance_text(report.difference)} from the estimates of the model'
         return [f'{far}: check --scale and --extrinsic']
     advice: list[str] = []
     if report.lag is not None and report.lag_found:

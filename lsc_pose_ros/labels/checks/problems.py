@@ -38,6 +38,14 @@ KINDS: Mapping[str, str] = {
 }
 """What users call each kind of problem."""
 
+SHORT_KINDS: Mapping[str, str] = {
+    OUTSIDE: 'off the mask',
+    BEFORE: 'before the surface',
+    DEEP: 'too deep',
+    LENGTH: 'at a limb of odd length',
+}
+"""The same in few words, after the number of joints."""
+
 LIMBS = tuple((JOINT_NUMBERS[parent], JOINT_NUMBERS[child]) for child, parent in PARENTS.items())
 """The limbs, as the numbers of their joints: parent and child."""
 

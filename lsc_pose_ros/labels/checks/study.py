@@ -15,12 +15,10 @@
 
 """The check of a labelled recording: all that is told about its labels."""
 
-import heapq
 from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +42,7 @@ from lsc_pose_ros.labels.checks.problems import (
     limb_lengths,
 )
 from lsc_pose_ros.labels.checks.timing import LabelledSequence, Lag, find_lag
+from lsc_pose_ros.labels.checks.worst_frames import WorstFrame, WorstFrames
 from lsc_pose_ros.training.samples import select_joints
 
 # A longer pause, in typical steps between stamps, starts a new sequence.
@@ -54,25 +53,6 @@ _AROUND = 1_000_000_000
 
 # Further from the estimates, labels are in another place, not in another anatomy; metres.
 _ELSEWHERE = 0.5
-
-# In the ranking of the worst frames, an exchange of left and right counts as so many joints.
-_EXCHANGE_WEIGHT = 6
-
-
-class WorstFrame(NamedTuple):
-    """A frame with problems.
-
-    Attributes:
-        number: in the recording, from 0.
-        frame: with its labels.
-        estimate: of the model; None if it was not estimated.
-        reasons: what is wrong, in words.
-    """
-
-    number: int
-    frame: Frame
-    estimate: Skeletons | None
-    reasons: str
 
 
 @dataclass
@@ -136,9 +116,8 @@ class LabelStudy:
         self._estimator = estimator
         self._limits = limits
         self._usual = usual_lengths
-        self._shown = shown
         self._report = LabelReport()
-        self._heap: list[tuple[float, int, WorstFrame]] = []
+        self._worst = WorstFrames(shown)
         self._sequences: dict[int, list[tuple[int, NDArray[np.float64], NDArray[np.float64]]]] = (
             defaultdict(list)
         )
@@ -161,14 +140,15 @@ class LabelStudy:
         if compare:
             estimate = self._estimator.estimate(frame.depth, frame.labels, frame.camera)
             exchanged = self._compare(frame, labels, estimate)
-        self._rank(WorstFrame(number, frame, estimate, ''), problems, exchanged)
+        full = frame._replace(ground_truth=labels)
+        self._worst.add(number, full, estimate, problems, exchanged)
 
     def report(self) -> LabelReport:
         """Return what was found."""
         report = self._report
         report.lag = find_lag(list(self._all_sequences()))
         report.sides = side_report(self._sides)
-        report.worst = [each for _, _, each in sorted(self._heap, key=lambda item: -item[0])]
+        report.worst = self._worst.found()
         report.length_spread = self._spread()
         distances = [
             np.linalg.norm(labels - estimate, axis=-1)
@@ -204,21 +184,6 @@ class LabelStudy:
             self._sides.append(differences)
             exchanged += is_exchanged(differences)
         return exchanged
-
-    def _rank(
-        self, worst: WorstFrame, problems: dict[str, NDArray[np.bool_]], exchanged: int
-    ) -> None:
-        counts = {kind: int(joints.sum()) for kind, joints in problems.items() if joints.any()}
-        badness = sum(counts.values()) + _EXCHANGE_WEIGHT * exchanged
-        if not badness:
-            return
-        words = [f'{count} {kind}' for kind, count in counts.items()]
-        words += ['left/right'] if exchanged else []
-        entry = (badness, -worst.number, worst._replace(reasons=', '.join(words)))
-        if len(self._heap) < self._shown:
-            heapq.heappush(self._heap, entry)
-        else:
-            heapq.heappushpop(self._heap, entry)
 
     def _all_sequences(self) -> Iterator[LabelledSequence]:
         for frames in self._sequences.values():

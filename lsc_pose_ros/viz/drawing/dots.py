@@ -22,6 +22,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from lsc_pose_ros.viz.drawing.colours import MIDDLE
+
 
 class Dot(NamedTuple):
     """The look of dots.
@@ -30,6 +32,7 @@ class Dot(NamedTuple):
         size: the area, points squared.
         colour: one colour for all, or one for each.
         rim: the colour of the rim, 'none' for none.
+        rim_width: points.
         marker: the shape, a matplotlib marker.
         layer: dots in higher layers hide those in lower ones.
     """
@@ -37,8 +40,13 @@ class Dot(NamedTuple):
     size: float
     colour: str | Sequence[str]
     rim: str = 'none'
+    rim_width: float = 0.7
     marker: str = 'o'
     layer: float = 2.0
+
+
+RING = Dot(70, 'none', rim=MIDDLE, rim_width=1.6, layer=8)
+"""A circle around a joint."""
 
 
 def draw_dots(
@@ -61,7 +69,7 @@ def draw_dots(
         s=dot.size,
         c=dot.colour,
         edgecolors=dot.rim,
-        linewidths=0 if dot.rim == 'none' else 0.7,
+        linewidths=0 if dot.rim == 'none' else dot.rim_width,
         marker=dot.marker,
         alpha=opacity,  # type: ignore[arg-type]  # the stubs allow only one number
         zorder=dot.layer,

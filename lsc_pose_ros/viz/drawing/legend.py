@@ -22,7 +22,7 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
-from lsc_pose_ros.viz.drawing.colours import EDGE
+from lsc_pose_ros.viz.drawing.colours import EDGE, MIDDLE
 from lsc_pose_ros.viz.drawing.skeleton_overlay import legend_lines
 
 LEGEND_HEIGHT = 0.3
@@ -40,6 +40,14 @@ def frame_legend(*, skeletons: bool, ground_truth: bool) -> list[Line2D]:
         Line2D([], [], color=EDGE, linestyle='', marker='.', markersize=4, label='silhouette')
     ]
     return legend_lines(ground_truth=ground_truth) + entries if skeletons else entries
+
+
+def ring_entry(label: str) -> Line2D:
+    """Return the entry of the rings around joints."""
+    return Line2D(
+        [], [], linestyle='', marker='o', markersize=7, markerfacecolor='none',
+        markeredgecolor=MIDDLE, markeredgewidth=1.6, label=label,
+    )  # fmt: skip
 
 
 def add_legend_entries(figure: Figure, entries: Sequence[Artist], lines: int = 1) -> None:

@@ -29,6 +29,7 @@ from lsc_pose_ros.camera.rays import image_rays
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import names_of
 from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
+from lsc_pose_ros.evaluation.distance_text import distance_text
 from lsc_pose_ros.evaluation.evaluate import joint_errors
 from lsc_pose_ros.pose.estimator import bodies_in
 from lsc_pose_ros.pose.settings import Settings
@@ -39,8 +40,8 @@ from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure
 from lsc_pose_ros.viz.drawing.colours import EDGE
 from lsc_pose_ros.viz.drawing.crop import box_around
 from lsc_pose_ros.viz.drawing.depth_image import draw_depth
-from lsc_pose_ros.viz.drawing.dots import Dot, draw_dots
-from lsc_pose_ros.viz.drawing.legend import frame_legend
+from lsc_pose_ros.viz.drawing.dots import RING, Dot, draw_dots
+from lsc_pose_ros.viz.drawing.legend import frame_legend, ring_entry
 from lsc_pose_ros.viz.drawing.skeleton_overlay import Look, draw_skeletons
 from lsc_pose_ros.viz.report.page_parts import Picture
 
@@ -55,12 +56,17 @@ class DrawnFrame(NamedTuple):
         frame: the images, the camera and the ground truth if there is one.
         estimate: the estimated skeletons; None to draw none.
         settings: the parameters of the silhouette.
+        marked: joints that get a ring, metres, shape (n, 3); None for none.
+        compared: what follows the distance between ground truth and estimate in the caption; ''
+            if the label says it.
     """
 
     label: str
     frame: Frame
     estimate: Skeletons | None = None
     settings: Settings = Settings()
+    marked: NDArray[np.float32] | None = None
+    compared: str = ''
 
 
 def has_joints(drawn: DrawnFrame) -> bool:
@@ -82,6 +88,8 @@ def draw_frame(axes: Axes, drawn: DrawnFrame) -> None:
         draw_skeletons(axes, drawn.estimate, frame.camera)
     elif frame.ground_truth is not None:
         draw_skeletons(axes, frame.ground_truth, frame.camera)
+    if drawn.marked is not None and len(drawn.marked):
+        draw_dots(axes, project(drawn.marked, frame.camera), RING)
 
 
 @house_style()
@@ -100,10 +108,13 @@ def frame_picture(drawn: DrawnFrame) -> Picture:
 
 def frame_entries(drawn: Sequence[DrawnFrame]) -> list[Line2D]:
     """Return the legend of the frames."""
-    return frame_legend(
+    entries = frame_legend(
         skeletons=any(each.estimate or each.frame.ground_truth for each in drawn),
         ground_truth=any(each.estimate and each.frame.ground_truth for each in drawn),
     )
+    if any(each.marked is not None and len(each.marked) for each in drawn):
+        entries.append(ring_entry('joint with a problem'))
+    return entries
 
 
 def description(drawn: DrawnFrame) -> str:
@@ -130,7 +141,7 @@ def _largest_error(drawn: DrawnFrame) -> str:
         return ''
     joint = int(np.unravel_index(finite.argmax(), finite.shape)[1])
     name = names_of(estimate.joints)[joint]
-    return f'; farthest off is {name}, by {100 * finite.max():.1f} cm'
+    return f'; farthest off is {name}, by {distance_text(float(finite.max()))}'
 
 
 def only_joints(ground_truth: Skeletons, joints: NDArray[np.uint16]) -> Skeletons:
@@ -167,4 +178,7 @@ def caption(drawn: DrawnFrame) -> str:
         return f'{drawn.label}: no estimate'
     missing = len(labelled) - len(estimated)
     without = f', {missing} missing' if missing else ''
-    return f'{drawn.label}: {100 * estimated.mean():.1f} cm{without}'
+    distance = distance_text(float(estimated.mean()))
+    if drawn.compared:
+        return f'{drawn.label}; {distance} {drawn.compared}{without}'
+    return f'{drawn.label}: {distance}{without}'

@@ -53,7 +53,7 @@ def write_label_page(
     todo = ''.join(f'<li>{escape(sentence)}</li>' for sentence in advice)
     pictures = ''
     if worst:
-        panels = frames([frame_picture(each) for each in worst], frame_entries(worst))
+        panels = frames([frame_picture(each) for each in worst], frame_entries(worst), large=True)
         pictures = f'<h2>Worst frames</h2>\n<p>{_LEGEND}</p>\n{panels}'
     body = f"""\
 {facts_list(facts)}
@@ -66,5 +66,6 @@ def write_label_page(
 
 _LEGEND = (
     'The yellow band is the label. Where the model was run, the thin skeleton is its estimate; '
-    'elsewhere the thin skeleton is the label.'
+    'elsewhere the thin skeleton is the label. The distance is the mean over the joints, from the '
+    'label to the estimate. Of frames within half a second, only the worst is shown.'
 )

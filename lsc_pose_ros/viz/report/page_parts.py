@@ -111,10 +111,17 @@ def charts(shown: Sequence[Chart], caption: str, entries: Sequence[Line2D] = ())
     )
 
 
-def frames(pictures: Sequence[Picture], entries: Sequence[Line2D]) -> str:
-    """Return pictures of frames in as many columns as there is room for, below their legend."""
+def frames(pictures: Sequence[Picture], entries: Sequence[Line2D], *, large: bool = False) -> str:
+    """Return pictures of frames in as many columns as there is room for, below their legend.
+
+    Args:
+        pictures: the pictures.
+        entries: of their legend.
+        large: whether single joints must be seen.
+    """
     panels = '\n'.join(map(_panel, pictures))
-    return f'{_legend(entries, themed=False)}<div class="frames">\n{panels}\n</div>'
+    look = 'frames large' if large else 'frames'
+    return f'{_legend(entries, themed=False)}<div class="{look}">\n{panels}\n</div>'
 
 
 def table(name: str, head: Sequence[str], rows: str, foot: str = '') -> str:

@@ -33,6 +33,7 @@ footer { margin-top: 3rem; border-top: 1px solid var(--border); padding-top: .5r
 .chart { flex: 1 1 20rem; max-width: 30rem; min-width: 0; height: auto; display: block }
 .frames { display: grid; grid-template-columns: repeat(auto-fill, minmax(9.5rem, 1fr));
   gap: 1rem; align-items: start }
+.frames.large { grid-template-columns: repeat(auto-fill, minmax(min(15rem, 100%), 1fr)) }
 .frames figure { margin: 0 }
 .frames img { width: 100%; height: auto; display: block; border-radius: 4px }
 .legend { list-style: none; display: flex; flex-wrap: wrap; gap: .2rem 1.2rem; margin: .5rem 0;

@@ -25,7 +25,14 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.pose.stages import describe_body
 from lsc_pose_ros.viz.drawing.colours import LEFT, MIDDLE, RIGHT, bone_colour, side_colour
-from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, caption, only_joints, silhouette_pixels
+from lsc_pose_ros.viz.report.drawn_frame import (
+    DrawnFrame,
+    caption,
+    frame_entries,
+    frame_panel,
+    only_joints,
+    silhouette_pixels,
+)
 
 
 def skeletons(*rows: list[float], joints: tuple[int, ...] = (0, 1, 2)) -> Skeletons:
@@ -67,6 +74,32 @@ def test_caption_has_the_mean_error(
     ground_truth: list[list[float]], estimate: list[list[float]], said: str
 ) -> None:
     assert caption(drawn(skeletons(*ground_truth), skeletons(*estimate))) == said
+
+
+def test_caption_says_what_is_compared() -> None:
+    known, found = skeletons([0.0, 0.0, 0.0]), skeletons([0.01, 0.02, 0.06])
+    compared = drawn(known, found)._replace(
+        label='frame 3: 1 joint too deep', compared='from the model'
+    )
+    assert caption(compared) == 'frame 3: 1 joint too deep; 3.0 cm from the model'
+    far = skeletons([100.0, 100.0, 100.0])
+    assert caption(drawn(known, far)) == 'frame 3: 100 m'
+
+
+def test_marked_joints_have_a_ring(people: list[Frame]) -> None:
+    truth = people[0].ground_truth
+    assert truth is not None
+    plain = DrawnFrame('frame 0', people[0])
+    marked = plain._replace(marked=truth.positions[0, :1])
+    assert 'joint with a problem' in [str(entry.get_label()) for entry in frame_entries([marked])]
+    assert len(frame_entries([plain])) == len(frame_entries([marked])) - 1
+    figure = frame_panel(marked)
+    pixel = project(truth.positions[0, :1], people[0].camera)
+    rings = [
+        dots for dots in figure.axes[0].collections if not len(np.asarray(dots.get_facecolor()))
+    ]
+    assert len(rings) == 1
+    np.testing.assert_allclose(np.asarray(rings[0].get_offsets()), pixel)
 
 
 def test_caption_without_ground_truth_or_estimate_is_the_label() -> None:
