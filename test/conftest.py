@@ -16,10 +16,13 @@
 """What the tests share: the data beside the checkout, and small recordings."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from browser import chromium
 
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.data_types.camera import Intrinsics
@@ -48,6 +51,12 @@ def shared() -> Path:
     if not folder.is_dir():
         pytest.skip(f'no shared data in {folder}; name the folder in LSC_POSE_SHARED')
     return folder
+
+
+@pytest.fixture(scope='module')
+def browser() -> Iterator[Any]:
+    """A browser without a window, for the tests of one file: its event loop disturbs others."""
+    yield from chromium()
 
 
 def simple_frame(number: int) -> Frame:

@@ -15,12 +15,12 @@
 
 """The pages in a real browser: on a phone and a desk, in a light and a dark scheme."""
 
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from browser import PATIENCE
 from lsc_pose_experiments.defaults import full_defaults
 from lsc_pose_experiments.experiment import Experiment, rows_of
 from lsc_pose_experiments.page import Page, Section, write_page
@@ -38,16 +38,6 @@ from lsc_pose_ros.viz.report.label_page import write_label_page
 from lsc_pose_ros.viz.report.report import Report, VideoSection, write_report
 from lsc_pose_ros.viz.report.time_plot import joint_over_time, way_entries
 
-CHROMIUM = shutil.which('chromium') or shutil.which('chromium-browser')
-OPTIONS = (
-    '--no-sandbox',
-    '--disable-gpu',
-    '--disable-background-networking',
-    '--disable-component-update',
-    '--disable-sync',
-    '--no-first-run',
-)
-PATIENCE = 600_000  # milliseconds; a computer can be busy
 PHONE, DESK = 390, 1400
 TOLERANCE = 0.1
 FACTS = {'model': 'default.npz', 'recordings': 'a_long_name_of_a_recording' * 4 + '.mcap'}
@@ -114,18 +104,6 @@ PROBLEMS = """
   };
 }
 """.replace('LEAST_TEXT', str(LEAST_TEXT)).replace('LEAST_CONTRAST', str(LEAST_CONTRAST))
-
-
-@pytest.fixture(scope='module')
-def browser():
-    """A browser without a window."""
-    playwright = pytest.importorskip('playwright.sync_api', reason='Playwright is not installed')
-    if CHROMIUM is None:
-        pytest.skip('Chromium is not installed')
-    with playwright.sync_playwright() as engine:
-        chromium = engine.chromium.launch(executable_path=CHROMIUM, args=list(OPTIONS))
-        yield chromium
-        chromium.close()
 
 
 def video_section() -> VideoSection:
