@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from lsc_pose_ros.camera.projection import back_project, project
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.conversion import LARGEST_BODY
+from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.data_types.visibility import HIDDEN, SEEN, UNKNOWN
@@ -30,8 +31,8 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.sources.keypoints import SURFACE_TO_JOINT, surface_depth
 from lsc_pose_ros.labels.tracks import skeletons_of
 
-FARTHEST = 100.0
-"""No joint is farther away, metres."""
+NEAREST, FARTHEST = 0.1, 100.0
+"""The least and the largest depth that a joint can be given, metres."""
 
 MOST_BODIES = 32
 """No frame has more labelled bodies."""
@@ -50,6 +51,27 @@ class BodyLabels(NamedTuple):
     positions: NDArray[np.float64]
     hidden: NDArray[np.bool_]
 
+
+class PlacedJoint(NamedTuple):
+    """Where a joint is that was put on a pixel.
+
+    Attributes:
+        position: metres, in the optical frame, shape (3,).
+        depth_from: where its depth is from: SURFACE, BEFORE or USUAL.
+    """
+
+    position: NDArray[np.float64]
+    depth_from: str
+
+
+SURFACE = 'surface'
+"""The depth is that of a body's surface there and SURFACE_TO_JOINT."""
+
+BEFORE = 'before'
+"""The depth is that of the joint before, because no body is there."""
+
+USUAL = 'usual'
+"""The depth is the median of the image, or that of a usual person."""
 
 FrameLabels = dict[int, BodyLabels]
 """The labels of a frame, by body number."""
@@ -79,30 +101,42 @@ def skeletons_from(labels: FrameLabels) -> Skeletons:
 
 
 def joint_at(
-    pixel: tuple[float, float],
-    joint: int,
-    depth: NDArray[np.float32],
-    camera: Intrinsics,
-    before: NDArray[np.float64],
-) -> NDArray[np.float64]:
-    """Return the position of a joint that is put on a pixel, metres, shape (3,).
+    pixel: tuple[float, float], joint: int, frame: Frame, before: NDArray[np.float64]
+) -> PlacedJoint:
+    """Return where a joint is that is put on a pixel.
 
-    Its depth is that of the surface there and SURFACE_TO_JOINT; without a surface, its depth
-    before; without that, the median of the image.
+    Its depth is that of a body's surface there and SURFACE_TO_JOINT. If no body is there, it is
+    the depth before; without that, the median of the image.
 
     Args:
         pixel: column and row.
         joint: its number.
-        depth: metres, 0 if unknown, shape (H, W).
-        camera: the intrinsics.
+        frame: the frame; if it has no bodies, any surface is taken for one.
         before: its position before, metres, NaN if not labelled, shape (3,).
     """
-    z = surface_depth(np.array(pixel), depth) + SURFACE_TO_JOINT[joint]
-    if not math.isfinite(z):
-        known = depth[np.isfinite(depth) & (depth > 0)]
-        usual = float(np.median(known)) if known.size else _USUAL_DEPTH
-        z = float(before[2]) if math.isfinite(before[2]) else usual
-    return position_at(pixel, z, camera)
+    is_body = frame.labels != NO_BODY
+    depth = np.where(is_body, frame.depth, np.float32(0)) if is_body.any() else frame.depth
+    z = surface_depth(np.array(pixel), depth) + float(SURFACE_TO_JOINT[joint])
+    if math.isfinite(z):
+        source = SURFACE
+    elif math.isfinite(before[2]):
+        z, source = float(before[2]), BEFORE
+    else:
+        known = frame.depth[np.isfinite(frame.depth) & (frame.depth > 0)]
+        z, source = (float(np.median(known)) if known.size else _USUAL_DEPTH), USUAL
+    return PlacedJoint(position_at(pixel, z, frame.camera), source)
+
+
+def people_box(labels: NDArray[np.int32]) -> list[int] | None:
+    """Return the first and last column and row of all bodies: left, top, right, bottom.
+
+    Args:
+        labels: the number of the body that a pixel shows, or NO_BODY, shape (H, W).
+    """
+    rows, columns = np.nonzero(labels != NO_BODY)
+    if not rows.size:
+        return None
+    return [int(each) for each in (columns.min(), rows.min(), columns.max(), rows.max())]
 
 
 def position_at(pixel: tuple[float, float], z: float, camera: Intrinsics) -> NDArray[np.float64]:
@@ -162,8 +196,14 @@ def _body(joints: dict[object, object]) -> BodyLabels:
     for name, joint in joints.items():
         index = JOINT_NUMBERS.get(name) if isinstance(name, str) else None
         position = joint.get('position') if isinstance(joint, dict) else None
-        if index is None or not _is_position(position):
-            msg = f'joint {str(name)[:40]!r} needs a known name, and a position of three metres'
+        if index is None:
+            msg = f'there is no joint {str(name)[:40]!r}'
+            raise InputError(msg)
+        if not _is_position(position):
+            msg = (
+                f'the position of {name} must be three numbers in metres, before the camera and '
+                f'at most {FARTHEST:g} m from it along each axis'
+            )
             raise InputError(msg)
         positions[index] = position
         hidden[index] = isinstance(joint, dict) and joint.get('hidden') is True

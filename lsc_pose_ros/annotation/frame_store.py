@@ -34,13 +34,24 @@ class StoredFrame(NamedTuple):
 
 
 class FrameStore:
-    """Frames by their numbers; the images are in a file that ends with the program."""
+    """Each N-th frame of a recording; the images are in a file that ends with the program.
 
-    def __init__(self, frames: Iterable[Frame]) -> None:
-        """Read all frames."""
+    Attributes:
+        numbers: the numbers of the stored frames in the recording.
+        all_stamps: the stamps of all frames of the recording, nanoseconds.
+    """
+
+    def __init__(self, frames: Iterable[Frame], every: int = 1) -> None:
+        """Read all frames of a recording, and store each one whose number `every` divides."""
         self._file = tempfile.TemporaryFile(prefix='lsc_pose_annotate_')  # noqa: SIM115
         self._frames: list[StoredFrame] = []
-        for frame in frames:
+        self.numbers: list[int] = []
+        self.all_stamps: list[int] = []
+        for number, frame in enumerate(frames):
+            self.all_stamps.append(frame.stamp)
+            if number % every:
+                continue
+            self.numbers.append(number)
             at = self._file.tell()
             self._file.write(np.ascontiguousarray(frame.depth).tobytes())
             self._file.write(np.ascontiguousarray(frame.labels).tobytes())
@@ -51,16 +62,16 @@ class FrameStore:
             self._frames.append(StoredFrame(stored, at))
 
     def __len__(self) -> int:
-        """Return the number of frames."""
+        """Return the number of stored frames."""
         return len(self._frames)
 
     @property
     def stamps(self) -> list[int]:
-        """The stamps of all frames, nanoseconds."""
+        """The stamps of the stored frames, nanoseconds."""
         return [stored.frame.stamp for stored in self._frames]
 
     def __getitem__(self, number: int) -> Frame:
-        """Return a frame."""
+        """Return the stored frame `number`, which is the frame `numbers[number]`."""
         stored = self._frames[number]
         end = self._frames[number + 1].at if number + 1 < len(self._frames) else self._end
         size = (end - stored.at) // (np.dtype(np.float32).itemsize + np.dtype(np.int32).itemsize)

@@ -43,7 +43,7 @@ class Journal:
         Args:
             path: the file; it is made if it is not there.
             recording: the name of the recording.
-            stamps: of its frames, nanoseconds.
+            stamps: of all of its frames, nanoseconds.
 
         Raises:
             InputError: the file is no journal, or that of another recording, or cannot be

@@ -21,6 +21,8 @@ leads here (DNS rebinding) is refused.
 
 import json
 import secrets
+import sys
+import threading
 from collections.abc import Callable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -36,11 +38,17 @@ LOOPBACK = '127.0.0.1'
 LARGEST_REQUEST = 1_000_000
 """No request has more bytes."""
 
-_FILES = {
-    '/': ('index.html', 'text/html; charset=utf-8'),
-    '/annotate.js': ('annotate.js', 'text/javascript; charset=utf-8'),
-    '/annotate.css': ('annotate.css', 'text/css; charset=utf-8'),
+_HTML, _SCRIPT, _STYLE = (f'text/{kind}; charset=utf-8' for kind in ('html', 'javascript', 'css'))
+
+_SCRIPTS = (
+    'actions', 'annotate', 'drawing', 'frames', 'joints', 'pointer', 'requests', 'state', 'view',
+)  # fmt: skip
+
+_FILES = {'/': ('index.html', _HTML), '/annotate.css': ('annotate.css', _STYLE)} | {
+    f'/{name}.js': (f'{name}.js', _SCRIPT) for name in _SCRIPTS
 }
+
+_COLOURS = '/colours.css'
 
 _POLICY = "default-src 'self'; img-src 'self' blob: data:; frame-ancestors 'none'"
 
@@ -52,23 +60,30 @@ class AnnotationServer(ThreadingHTTPServer):
         token: the word that each request must have.
         session: what the page works on.
         finish: is called when the page asks for the labelled recording; returns what to tell.
+        colours: the style sheet with the colours of the page.
+        summary: what `finish` has returned, empty before.
+        ended: is set after the page was told the summary.
     """
 
     daemon_threads = True
 
-    def __init__(self, session: Session, finish: Callable[[], str], port: int) -> None:
+    def __init__(
+        self, session: Session, finish: Callable[[], str], colours: str, port: int = 0
+    ) -> None:
         """Listen.
 
         Args:
             session: what the page works on.
             finish: writes the labelled recording.
+            colours: the style sheet with the colours of the page.
             port: the port; 0 for any that is free.
 
         Raises:
             InputError: the port is taken.
         """
         self.token = secrets.token_urlsafe(16)
-        self.session, self.finish = session, finish
+        self.session, self.finish, self.colours = session, finish, colours
+        self.summary, self.ended = '', threading.Event()
         try:
             super().__init__((LOOPBACK, port), _Handler)
         except OSError as error:
@@ -84,6 +99,11 @@ class AnnotationServer(ThreadingHTTPServer):
         """Return whether a request's host name is one of this computer."""
         return host in {f'{name}:{self.server_port}' for name in (LOOPBACK, 'localhost')}
 
+    def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ANN401
+        """Say nothing of a page that was closed before it had its answer."""
+        if not isinstance(sys.exc_info()[1], ConnectionError):
+            super().handle_error(request, client_address)
+
 
 class _Handler(BaseHTTPRequestHandler):
     server: AnnotationServer
@@ -97,6 +117,8 @@ class _Handler(BaseHTTPRequestHandler):
         if path in _FILES:
             name, kind = _FILES[path]
             self._send(resource('annotate', name).read_bytes(), kind)
+        elif path == _COLOURS:
+            self._send(self.server.colours.encode(), _STYLE)
         elif path == '/recording':
             self._answer(session.recording)
         elif path.startswith('/frame/'):
@@ -116,7 +138,7 @@ class _Handler(BaseHTTPRequestHandler):
             '/keep/': self._keep,
         }
         if path == '/finish':
-            self._answer(lambda: {'text': self.server.finish()})
+            self._finish()
             return
         for beginning, action in actions.items():
             if path.startswith(beginning):
@@ -127,19 +149,28 @@ class _Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002
         """Say nothing."""
 
+    def _finish(self) -> None:
+        def finish() -> dict[str, str]:
+            self.server.summary = self.server.finish()
+            return {'text': self.server.summary}
+
+        try:
+            self._answer(finish)
+        finally:  # even if the page was closed meanwhile
+            if self.server.summary:
+                self.server.ended.set()
+
     def _place(self, number: int, content: dict[str, Any]) -> dict[str, Any]:
         session = self.server.session
         try:
             column, row = (float(value) for value in content['pixel'])
             if content.get('depth') is not None:
-                position = session.at_depth(number, (column, row), float(content['depth']))
-            else:
-                joint = str(content['joint'])
-                position = session.place(number, int(content['body']), joint, (column, row))
+                return session.at_depth(number, (column, row), float(content['depth']))
+            joint = str(content['joint'])
+            return session.place(number, int(content['body']), joint, (column, row))
         except (KeyError, TypeError, ValueError) as error:
             msg = 'a joint is placed by pixel, body and joint, or by pixel and depth'
             raise InputError(msg) from error
-        return {'position': position}
 
     def _keep(self, number: int, content: dict[str, Any]) -> dict[str, Any]:
         bodies, done = content.get('bodies'), content.get('done') is True
@@ -152,8 +183,8 @@ class _Handler(BaseHTTPRequestHandler):
         """Return whether the request may be answered; else refuse it."""
         given = parse_qs(urlsplit(self.path).query).get('token', [''])[0]
         given = given or self.headers.get('X-Token', '')
-        # Script and style have no secret, and the page asks for them without the token.
-        known = path in _FILES and path != '/'
+        # Scripts and styles have no secret, and the page asks for them without the token.
+        known = path == _COLOURS or (path in _FILES and path != '/')
         known = known or secrets.compare_digest(given.encode(), self.server.token.encode())
         if known and self.server.answers_to(self.headers.get('Host', '')):
             return True

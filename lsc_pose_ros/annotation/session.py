@@ -15,15 +15,18 @@
 """What the page works on: the frames, their labels, and what is done."""
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from lsc_pose_ros.annotation.depth_picture import depth_picture
 from lsc_pose_ros.annotation.frame_labels import (
+    FARTHEST,
+    NEAREST,
     FrameLabels,
     as_json,
     joint_at,
     labels_of,
+    people_box,
     position_at,
     skeletons_from,
 )
@@ -33,8 +36,11 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS, PARENTS
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.labels.sources.keypoints import SURFACE_TO_JOINT
 from lsc_pose_ros.labels.tracks import skeletons_of
+
+LIMBS = (*((parent, child) for child, parent in PARENTS.items()), ('torso', 'pelvis'))
+"""The lines of a skeleton as pairs of joints: the edges of the method, and the spine between its
+two trees."""
 
 Start = Callable[[Frame], Skeletons]
 """Returns the skeletons with which a frame begins that has no labels."""
@@ -43,7 +49,14 @@ Start = Callable[[Frame], Skeletons]
 class Session:
     """An annotation; its methods can be called from any thread."""
 
-    def __init__(self, name: str, store: FrameStore, journal: Journal, start: Start) -> None:
+    def __init__(
+        self,
+        name: str,
+        store: FrameStore,
+        journal: Journal,
+        start: Start,
+        earlier: Mapping[int, Skeletons] | None = None,
+    ) -> None:
         """Prepare.
 
         Args:
@@ -51,7 +64,9 @@ class Session:
             store: its frames.
             journal: keeps the changes.
             start: returns the first labels of a frame that has none.
+            earlier: the labels of an earlier annotation, by stamp; these frames are done.
         """
+        self._earlier = dict(earlier or {})
         self._name, self._store, self._journal, self._start = name, store, journal, start
         self._begun: dict[int, FrameLabels] = {}
         self._lock = threading.Lock()
@@ -62,8 +77,10 @@ class Session:
             return {
                 'name': self._name,
                 'joints': list(JOINT_NAMES),
-                'limbs': [[parent, child] for child, parent in PARENTS.items()],
-                'behind': [float(each) for each in SURFACE_TO_JOINT],
+                'limbs': [list(limb) for limb in LIMBS],
+                'depths': [NEAREST, FARTHEST],
+                'numbers': self._store.numbers,
+                'count': len(self._store.all_stamps),
                 'done': [self._is_done(stamp) for stamp in self._store.stamps],
             }
 
@@ -81,6 +98,7 @@ class Session:
                 'width': width,
                 'height': height,
                 'done': self._is_done(frame.stamp),
+                'people': people_box(frame.labels),
                 'bodies': as_json(self._labels(frame), frame.camera),
             }
 
@@ -93,8 +111,10 @@ class Session:
         with self._lock:
             return depth_picture(self._frame(number).depth)
 
-    def place(self, number: int, body: int, joint: str, pixel: tuple[float, float]) -> list[float]:
-        """Return the position, metres, of a joint that is put on a pixel of a frame.
+    def place(
+        self, number: int, body: int, joint: str, pixel: tuple[float, float]
+    ) -> dict[str, Any]:
+        """Return the position, metres, of a joint that is put on a pixel, and whence its depth.
 
         Raises:
             InputError: there is no such frame, body or joint.
@@ -103,21 +123,23 @@ class Session:
             frame, index = self._frame(number), _joint(joint)
             labels = self._labels(frame)
             if body not in labels:
-                msg = f'frame {number} has no body {body}'
+                msg = f'frame {self._store.numbers[number]} has no body {body}'
                 raise InputError(msg)
-            before = labels[body].positions[index]
-            position = joint_at(pixel, index, frame.depth, frame.camera, before)
-            return [float(value) for value in position]
+            placed = joint_at(pixel, index, frame, labels[body].positions[index])
+            return {'position': placed.position.tolist(), 'depthFrom': placed.depth_from}
 
-    def at_depth(self, number: int, pixel: tuple[float, float], z: float) -> list[float]:
+    def at_depth(self, number: int, pixel: tuple[float, float], z: float) -> dict[str, Any]:
         """Return the point at depth `z`, metres, that a pixel of a frame shows.
 
         Raises:
-            InputError: there is no such frame.
+            InputError: there is no such frame, or no joint can have this depth.
         """
+        if not NEAREST <= z <= FARTHEST:
+            msg = f'the depth must be {NEAREST:g} to {FARTHEST:g} m'
+            raise InputError(msg)
         with self._lock:
             position = position_at(pixel, z, self._frame(number).camera)
-            return [float(value) for value in position]
+            return {'position': position.tolist()}
 
     def keep(self, number: int, bodies: list[dict[str, Any]], *, done: bool) -> dict[str, Any]:
         """Keep the labels of a frame, and return them as `frame` does.
@@ -133,7 +155,7 @@ class Session:
     def finished(self) -> dict[int, Skeletons]:
         """Return the labels of the frames that are done, by their stamps."""
         with self._lock:
-            return {
+            return self._earlier | {
                 stamp: skeletons_from(labels)
                 for stamp, (labels, done) in self._journal.frames.items()
                 if done
@@ -146,14 +168,14 @@ class Session:
         return self._store[number]
 
     def _is_done(self, stamp: int) -> bool:
-        return self._journal.frames.get(stamp, ({}, False))[1]
+        return self._journal.frames.get(stamp, ({}, stamp in self._earlier))[1]
 
     def _labels(self, frame: Frame) -> FrameLabels:
         kept = self._journal.frames.get(frame.stamp)
         if kept is not None:
             return kept[0]
         if frame.stamp not in self._begun:
-            truth = frame.ground_truth
+            truth = self._earlier.get(frame.stamp, frame.ground_truth)
             has_labels = truth is not None and bool(len(truth.bodies))
             begin = truth if has_labels and truth is not None else self._start(frame)
             self._begun[frame.stamp] = labels_of(begin)

@@ -35,11 +35,20 @@ class AnnotationProgram:
 
     Attributes:
         address: of its page.
+        begin: what it has printed up to the address.
     """
 
-    def __init__(self, recording: Path, output: Path) -> None:
+    def __init__(self, recording: Path, output: Path, *options: str) -> None:
         """Start it and wait for its address."""
-        words = ['annotate', str(recording), '-o', str(output), '--no-browser', '--quiet']
+        words = [
+            'annotate',
+            str(recording),
+            '-o',
+            str(output),
+            '--no-browser',
+            '--quiet',
+            *options,
+        ]
         self._process = subprocess.Popen(
             [sys.executable, '-c', MAIN, *words],
             stdout=subprocess.PIPE,
@@ -48,9 +57,12 @@ class AnnotationProgram:
         )
         # Not left alone if the test fails.
         atexit.register(self._process.kill)
-        line = self._process.stdout.readline()
-        found = re.search(r'http://\S+', line)
-        assert found is not None, line + self._process.communicate()[1]
+        self.begin, found = '', None
+        while found is None:
+            line = self._process.stdout.readline()
+            self.begin += line
+            assert line, self.begin + self._process.communicate()[1]
+            found = re.search(r'http://\S+', line)
         self.address = found.group()
 
     @property

@@ -24,7 +24,10 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.annotation.frame_labels import (
+    BEFORE,
     FARTHEST,
+    SURFACE,
+    USUAL,
     as_json,
     from_json,
     joint_at,
@@ -34,6 +37,7 @@ from lsc_pose_ros.annotation.frame_labels import (
 from lsc_pose_ros.annotation.frame_store import FrameStore
 from lsc_pose_ros.annotation.journal import Journal
 from lsc_pose_ros.bags import RecordingWriter
+from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
 from lsc_pose_ros.data_types.visibility import HIDDEN, SEEN, UNKNOWN
 from lsc_pose_ros.errors import InputError
@@ -118,6 +122,9 @@ def test_strangers_are_refused(program, headers, path) -> None:
         ('/place/0', {'pixel': [1]}, 'pixel'),
         ('/place/0', {'pixel': [1, 2], 'body': 9, 'joint': 'head'}, 'body 9'),
         ('/place/0', {'pixel': [1, 2], 'body': 1, 'joint': 'tail'}, 'tail'),
+        ('/place/0', {'pixel': [1, 2], 'depth': 999}, 'the depth must be 0.1 to 100 m'),
+        ('/place/0', {'pixel': [1, 2], 'depth': float('nan')}, 'the depth must be 0.1 to 100 m'),
+        ('/keep/0', {'bodies': bodies(joints={'head': {'position': [0, 0, 999]}})}, '100 m'),
         ('/finish', {}, 'no frame is done'),
     ],
 )
@@ -214,15 +221,28 @@ def test_labels_are_the_same_after_each_conversion(simple_frames) -> None:
 def test_a_joint_is_behind_the_surface_or_as_deep_as_before(simple_frames) -> None:
     frame = simple_frames[0]
     hip, nowhere = JOINT_NUMBERS['l_hip'], np.full(3, np.nan)
-    on_body = joint_at((14.0, 20.0), hip, frame.depth, frame.camera, nowhere)
-    assert on_body[2] == pytest.approx(frame.depth[20, 14] + SURFACE_TO_JOINT[hip], abs=1e-6)
+    before = np.array([0.0, 0.0, 3.0])
+    on_body = joint_at((14.0, 20.0), hip, frame, before)
+    assert on_body.depth_from == SURFACE
+    behind = frame.depth[20, 14] + SURFACE_TO_JOINT[hip]
+    assert on_body.position[2] == pytest.approx(behind, abs=1e-6)
     camera = frame.camera
     expected = [(14 - camera.cx) / camera.fx, (20 - camera.cy) / camera.fy]
-    np.testing.assert_allclose(on_body[:2] / on_body[2], expected, rtol=1e-5)
-    empty = np.zeros_like(frame.depth)
-    before = np.array([0.0, 0.0, 3.0])
-    assert joint_at((14.0, 20.0), hip, empty, camera, before)[2] == pytest.approx(3.0)
-    assert np.isfinite(joint_at((14.0, 20.0), hip, empty, camera, nowhere)).all()
+    np.testing.assert_allclose(on_body.position[:2] / on_body.position[2], expected, rtol=1e-5)
+    # On the wall between the bodies, and outside of the image.
+    for pixel in ((29.0, 20.0), (-500.0, 20.0)):
+        beside = joint_at(pixel, hip, frame, before)
+        assert (beside.position[2], beside.depth_from) == (pytest.approx(3.0), BEFORE)
+        guess = joint_at(pixel, hip, frame, nowhere)
+        median = np.median(frame.depth[frame.depth > 0])
+        assert (guess.position[2], guess.depth_from) == (pytest.approx(median), USUAL)
+    empty = frame._replace(depth=np.zeros_like(frame.depth))
+    assert joint_at((14.0, 20.0), hip, empty, before).position[2] == pytest.approx(3.0)
+    assert np.isfinite(joint_at((14.0, 20.0), hip, empty, nowhere).position).all()
+    # Without any mask, each surface may be one of a body.
+    alone = frame._replace(labels=np.full_like(frame.labels, NO_BODY))
+    wall = joint_at((29.0, 20.0), hip, alone, before)
+    assert wall.position[2] == pytest.approx(4.0 + SURFACE_TO_JOINT[hip])
 
 
 def test_frames_come_in_any_order(simple_frames) -> None:
@@ -232,3 +252,12 @@ def test_frames_come_in_any_order(simple_frames) -> None:
         np.testing.assert_array_equal(store[number].depth, simple_frames[number].depth)
         np.testing.assert_array_equal(store[number].labels, simple_frames[number].labels)
         assert store[number].stamp == simple_frames[number].stamp
+
+
+def test_each_third_frame_is_stored_and_knows_its_number(simple_frames) -> None:
+    store = FrameStore(simple_frames, every=3)
+    assert store.numbers == [0, 3, 6, 9]
+    assert store.all_stamps == [frame.stamp for frame in simple_frames]
+    for at, number in enumerate(store.numbers):
+        assert store.stamps[at] == store[at].stamp == simple_frames[number].stamp
+        np.testing.assert_array_equal(store[at].depth, simple_frames[number].depth)

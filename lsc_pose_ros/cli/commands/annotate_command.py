@@ -41,6 +41,7 @@ from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
 from lsc_pose_ros.settings.table import FrameSettings
+from lsc_pose_ros.viz.report.page_style import colour_sheet
 
 HELP = """Label a recording by hand: a page in the browser shows each depth image with the answer
 of the model, or the labels that there are, and joints are dragged to where they belong. Each
@@ -103,14 +104,15 @@ def run(arguments: argparse.Namespace) -> int:
     estimator = Estimator(load_model(find_model(arguments.model)))
     store = _read_frames(arguments)
     path = Path(f'{arguments.output}{JOURNAL_SUFFIX}')
-    with closing(Journal(path, arguments.recording.name, store.stamps)) as journal:
+    with closing(Journal(path, arguments.recording.name, store.all_stamps)) as journal:
         session = Session(
             arguments.recording.name,
             store,
             journal,
             lambda frame: estimator.estimate(frame.depth, frame.labels, frame.camera),
         )
-        _serve(arguments, session, journal)
+        summary = _serve(arguments, session, journal)
+    print(summary, flush=True)
     return 0
 
 
@@ -118,22 +120,21 @@ def _read_frames(arguments: argparse.Namespace) -> FrameStore:
     settings = replace(settings_from(arguments, FrameSettings), camera_roll='0')
     reader = open_recording(arguments.recording, topics_of(arguments), settings=settings)
     frames = progress(reader, reader.count, 'reading')
-    store = FrameStore(frame for n, frame in enumerate(frames) if n % arguments.every == 0)
+    store = FrameStore(frames, arguments.every)
     for warning in reader.warnings:
         print(f'lsc_pose: warning: {warning}', file=sys.stderr)
     return store
 
 
-def _serve(arguments: argparse.Namespace, session: Session, journal: Journal) -> None:
-    ended = threading.Event()
+def _serve(arguments: argparse.Namespace, session: Session, journal: Journal) -> str:
+    """Serve the page until the recording is written, and return what this contains."""
 
     def finish() -> str:
         text = _write(arguments, session)
         journal.remove()
-        ended.set()
         return text
 
-    server = AnnotationServer(session, finish, arguments.port)
+    server = AnnotationServer(session, finish, colour_sheet(), arguments.port)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     print(f'Annotate at {server.address}', flush=True)
     print(
@@ -142,11 +143,12 @@ def _serve(arguments: argparse.Namespace, session: Session, journal: Journal) ->
     if arguments.browser:
         webbrowser.open(server.address)
     try:
-        while not ended.wait(0.5):  # a wait without end would not notice Ctrl-C on Windows
+        while not server.ended.wait(0.5):  # a wait without end would not notice Ctrl-C on Windows
             pass
     finally:
         server.shutdown()
         server.server_close()
+    return server.summary
 
 
 def _write(arguments: argparse.Namespace, session: Session) -> str:
@@ -166,5 +168,4 @@ def _write(arguments: argparse.Namespace, session: Session) -> str:
     )
     if counts.unmatched:
         text += f'; {counts.unmatched} bodies were left out, because no mask shows them'
-    print(text, flush=True)
     return text

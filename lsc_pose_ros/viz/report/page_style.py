@@ -81,9 +81,17 @@ _DARK = '.frames img, .paper .swatch { filter: brightness(.88) }'
 
 def style_sheet() -> str:
     """Return the style sheet, in which each colour of the palette is a variable."""
+    return f'{colour_sheet()}{_RULES}{_PHONE}@media (prefers-color-scheme: dark) {{ {_DARK} }}\n'
+
+
+def colour_sheet() -> str:
+    """Return only the colours, as variables of CSS by their names in the palette.
+
+    Elements of the class `on_black` have the colours of a dark page in both schemes.
+    """
     light = ' '.join(f'--{name}: {shades.light};' for name, shades in PALETTE.items())
     dark = ' '.join(f'--{name}: {shades.dark};' for name, shades in PALETTE.items())
     return (
-        f'\n:root {{ color-scheme: light dark; {light} }}{_RULES}{_PHONE}'
-        f'@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} {_DARK} }}\n'
+        f'\n:root {{ color-scheme: light dark; {light} }}\n.on_black {{ {dark} }}\n'
+        f'@media (prefers-color-scheme: dark) {{ :root {{ {dark} }} }}\n'
     )
