@@ -19,10 +19,12 @@ import os
 import sys
 import threading
 import webbrowser
+from collections.abc import Mapping
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
+from lsc_pose_ros.annotation.earlier_labels import earlier_labels
 from lsc_pose_ros.annotation.frame_store import FrameStore
 from lsc_pose_ros.annotation.journal import Journal
 from lsc_pose_ros.annotation.server import AnnotationServer
@@ -34,19 +36,21 @@ from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options, settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_file import is_written_through
 from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
-from lsc_pose_ros.settings.table import FrameSettings
+from lsc_pose_ros.settings.table import MASK, FrameSettings
 from lsc_pose_ros.viz.report.page_style import colour_sheet
 
 HELP = """Label a recording by hand: a page in the browser shows each depth image with the answer
 of the model, or the labels that there are, and joints are dragged to where they belong. Each
-change is kept at once; the same command goes on where an interrupted one ended. docs/labels.md
-shows how."""
+change is kept at once; the same command goes on where an interrupted one ended, and with the
+labels of an output that is there already. docs/labels.md shows how."""
 
 JOURNAL_SUFFIX = '.journal'
 """What follows the name of the output in that of the journal."""
@@ -103,6 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_outputs([Output(arguments.output, RECORDING)], [arguments.recording])
     estimator = Estimator(load_model(find_model(arguments.model)))
     store = _read_frames(arguments)
+    earlier = _read_earlier(arguments, store)
     path = Path(f'{arguments.output}{JOURNAL_SUFFIX}')
     with closing(Journal(path, arguments.recording.name, store.all_stamps)) as journal:
         session = Session(
@@ -110,6 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
             store,
             journal,
             lambda frame: estimator.estimate(frame.depth, frame.labels, frame.camera),
+            earlier,
         )
         summary = _serve(arguments, session, journal)
     print(summary, flush=True)
@@ -124,6 +130,28 @@ def _read_frames(arguments: argparse.Namespace) -> FrameStore:
     for warning in reader.warnings:
         print(f'lsc_pose: warning: {warning}', file=sys.stderr)
     return store
+
+
+def _read_earlier(arguments: argparse.Namespace, store: FrameStore) -> Mapping[int, Skeletons]:
+    """Return the labels of the output that there is already, by stamp."""
+    output = arguments.output
+    if is_written_through(output) or not output.exists():
+        return {}
+    settings = replace(settings_from(arguments, FrameSettings), camera_roll='0', segmentation=MASK)
+    try:
+        reader = open_recording(output, topics_of(arguments), settings=settings, need_mask=False)
+        earlier = earlier_labels(progress(reader, reader.count, 'reading'), store)
+    except InputError as error:
+        msg = f'{error}; move it away, or name another output with -o'
+        raise InputError(msg) from error
+    if earlier is None:
+        msg = (
+            f'{output} exists, and is no annotation of {arguments.recording}; '
+            'move it away, or name another output with -o'
+        )
+        raise InputError(msg)
+    print(f'{output} has labels of {len(earlier)} frames; they stay, and can be changed.')
+    return earlier
 
 
 def _serve(arguments: argparse.Namespace, session: Session, journal: Journal) -> str:
