@@ -84,7 +84,7 @@ def test_an_annotation_goes_on_from_the_recording_that_was_written(labelled, tmp
 
     # Also with other frames than before: those that are not shown keep their labels.
     program = AnnotationProgram(labelled, output, '--every', '2')
-    assert f'{output} has labels of 2 frames; they stay' in program.begin
+    assert f'{output} has labels of 2 of 10 frames; they stay' in program.begin
     assert request(program, 'GET', '/recording')['done'] == [False, False, False, True, False]
     shown = request(program, 'GET', '/frame/3')['bodies'][0]['joints']['head']['position'][0]
     assert shown == pytest.approx(heads(first[6])[0])

@@ -150,7 +150,8 @@ def _read_earlier(arguments: argparse.Namespace, store: FrameStore) -> Mapping[i
             'move it away, or name another output with -o'
         )
         raise InputError(msg)
-    print(f'{output} has labels of {len(earlier)} frames; they stay, and can be changed.')
+    count = f'{len(earlier)} of {len(store.all_stamps)} frames'
+    print(f'{output} has labels of {count}; they stay, and can be changed.', flush=True)
     return earlier
 
 
