@@ -107,7 +107,16 @@ def assert_made_as_told(provenance):
     assert again == told
     # Also those that the training was not told: the defaults of a later program may differ.
     named = {word.removeprefix('--').replace('-', '_') for word in words if word[:2] == '--'}
-    others = {'recordings', 'output', 'json', 'calibrate', 'settings', 'mirror', 'body_yaw'}
+    others = {
+        'recordings',
+        'output',
+        'json',
+        'calibrate',
+        'settings',
+        'mirror',
+        'body_yaw',
+        'resume',
+    }
     frames = {action.dest for action in frame_options()}
     assert {*told} - others - frames == named
 
