@@ -22,6 +22,7 @@ what a reader must not do.
 import argparse
 import importlib
 import io
+import pkgutil
 import subprocess
 import sys
 import tempfile
@@ -39,11 +40,14 @@ _INSTRUMENTED = [
 ]  # fmt: skip
 """The readers, which Atheris instruments."""
 
-_COMPILED = ['lsc_pose_ros.messages.codecs.rvl', 'lsc_pose_ros.pose.estimator']
-"""Modules with kernels, and those that import the others; they are loaded as they are."""
+_COMPILED = ['body_parts', 'camera', 'numerics', 'pose', 'segmentation', 'tracking']
+"""The packages with kernels, which are loaded as they are: numba cannot compile them otherwise."""
 
+importlib.import_module('lsc_pose_ros.messages.codecs.rvl')
 for _name in _COMPILED:
-    importlib.import_module(_name)
+    _package = importlib.import_module(f'lsc_pose_ros.{_name}')
+    for _found in pkgutil.walk_packages(_package.__path__, f'{_package.__name__}.'):
+        importlib.import_module(_found.name)
 
 with atheris.instrument_imports(include=_INSTRUMENTED):
     from fuzz_targets import Target, targets
