@@ -157,3 +157,20 @@ def test_point_field_outside_of_its_point_is_refused(offset):
     )  # fmt: skip
     with pytest.raises(InputError, match='does not fit a point of 20 bytes'):
         parse_skeletons(cloud)
+
+
+@pytest.mark.parametrize(
+    ('height', 'width', 'row_step'), [(0, 117_440_512, 40), (117_440_512, 0, 0), (3, 1, 20)]
+)
+def test_cloud_that_claims_more_than_it_holds_is_refused(height, width, row_step):
+    fields = [
+        SimpleNamespace(name=name, offset=place, datatype={'f4': 7, 'u2': 4}[kind.str[1:]])
+        for name, (kind, place, *_) in (POINT_DTYPE.fields or {}).items()
+    ]
+    cloud = SimpleNamespace(
+        header=SimpleNamespace(stamp=SimpleNamespace(sec=0, nanosec=0), frame_id=''),
+        height=height, width=width, fields=fields, is_bigendian=False, point_step=20,
+        row_step=row_step, data=np.zeros(40, np.uint8),
+    )  # fmt: skip
+    with pytest.raises(InputError, match='has 40 bytes, but claims'):
+        parse_skeletons(cloud)

@@ -113,6 +113,10 @@ def parse_transforms(message: Any) -> list[FrameTransform]:  # noqa: ANN401
     ]
 
 
+MOST_JOINTS = 1 << 16
+"""Joints of a body, whose numbers have 16 bits; a cloud without bodies can claim any width."""
+
+
 def parse_skeletons(message: Any) -> StampedSkeletons:  # noqa: ANN401
     """Return the skeletons of a sensor_msgs/PointCloud2.
 
@@ -153,6 +157,12 @@ def _parse_points(message: Any, fields: dict[str, Any]) -> NDArray[np.void]:  # 
     )
     height, width = message.height, message.width
     data = np.frombuffer(message.data, np.uint8)
+    # Rows without bytes would make any number of bodies of nothing.
+    if height * max(message.row_step, 1) > len(data) or width > MOST_JOINTS:
+        msg = (
+            f'the point cloud has {len(data)} bytes, but claims {height} bodies of {width} joints'
+        )
+        raise InputError(msg)
     rows = data[: height * message.row_step].reshape(height, message.row_step)
     used = np.ascontiguousarray(rows[:, : width * message.point_step])
     return used.view(point).reshape(height, width).astype(wanted)
