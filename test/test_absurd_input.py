@@ -101,6 +101,18 @@ def test_absurd_camera_infos_are_refused(focal_length, centre):
         image_camera(info)
 
 
+def test_message_about_many_coefficients_is_short():
+    k = [140.0, 0.0, 80.0, 0.0, 140.0, 60.0, 0.0, 0.0, 1.0]
+    region = SimpleNamespace(x_offset=0, y_offset=0, width=0, height=0)
+    info = SimpleNamespace(
+        height=480, width=640, distortion_model='', d=[np.nan] * 10_000, k=k, p=[0.0] * 12,
+        binning_x=0, binning_y=0, roi=region,
+    )  # fmt: skip
+    with pytest.raises(InputError, match='D of the camera info is not finite') as caught:
+        image_camera(info)
+    assert len(str(caught.value)) < 300
+
+
 @pytest.mark.parametrize(('focal_length', 'centre'), ABSURD)
 def test_absurd_intrinsics_are_refused(focal_length, centre):
     depth, labels = np.zeros((2, 2), np.float32), np.full((2, 2), NO_BODY, np.int32)

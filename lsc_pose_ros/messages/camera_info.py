@@ -202,7 +202,7 @@ def _read_lens(calibration: _Calibration) -> tuple[Lens | None, str]:
     """Return the lens, None for none, and a sentence if its distortion is ignored."""
     d = np.array(calibration.d)
     if not np.isfinite(d).all():
-        msg = f'the distortion D of the camera info is not finite: {d.tolist()}'
+        msg = f'the distortion D of the camera info is not finite: {d.tolist()!s:.200}'
         raise InputError(msg)
     model = _MODELS.get(calibration.model.lower(), '')
     if model == PLUMB_BOB and d[5:].any():
