@@ -16,7 +16,6 @@
 
 """Files of the network of body parts: an archive of numpy arrays, without anything executable."""
 
-import json
 import os
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -29,6 +28,7 @@ from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import archive
 from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.model_io.archive_header import header_array, read_header
 from lsc_pose_ros.model_io.model_file import check_sizes, read_array
 from lsc_pose_ros.model_io.unusable_model import UnusableModelError, why_unusable
 from lsc_pose_ros.resources.package_files import resource
@@ -101,12 +101,10 @@ def save_part_network(
         InputError: the file cannot be written, or another kind of file is there.
     """
     header = {
-        'format': FORMAT,
-        'version': VERSION,
         'classes': ['no person', *JOINT_NAMES],
         'provenance': provenance,
     }
-    arrays: dict[str, Any] = {'header': np.frombuffer(json.dumps(header).encode(), np.uint8)}
+    arrays: dict[str, Any] = {'header': header_array(FORMAT, VERSION, header)}
     for name, layer in network._asdict().items():
         for part, value in layer._asdict().items():
             arrays[f'{name}_{part}'] = np.asarray(value, np.float32)
@@ -147,13 +145,7 @@ def _read_layer(archive: Any, name: str) -> Layer:  # noqa: ANN401
 
 
 def _read_header(archive: Any) -> dict[str, str]:  # noqa: ANN401
-    header = json.loads(read_array(archive, 'header', (np.uint8, 1)).tobytes())
-    if not isinstance(header, dict) or header.get('format') != FORMAT:
-        msg = 'its header is of another kind of file'
-        raise UnusableModelError(msg)
-    if header.get('version') != VERSION:
-        msg = f'it has version {header.get("version")!r:.20}; this package reads {VERSION}'
-        raise UnusableModelError(msg)
+    header = read_header(archive, FORMAT, VERSION)
     if header.get('classes') != ['no person', *JOINT_NAMES]:
         msg = 'its classes are not those of this package'
         raise UnusableModelError(msg)

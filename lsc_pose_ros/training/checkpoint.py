@@ -70,17 +70,6 @@ class Checkpoint(Protocol):
         """Keep the finished trees of the training `key`."""
 
 
-class NoCheckpoint:
-    """Keeps nothing."""
-
-    def load(self, _key: str, _limits: Limits) -> list[FinishedTree]:
-        """Return no trees."""
-        return []
-
-    def store(self, _key: str, _trees: Sequence[FinishedTree]) -> None:
-        """Do nothing."""
-
-
 def training_key(samples: Samples, settings: object) -> str:
     """Return a text that two trainings share only if their trees are the same.
 

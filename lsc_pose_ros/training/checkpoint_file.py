@@ -18,7 +18,6 @@
 The file is what `numpy.savez` writes, read with `allow_pickle=False`, with a JSON header.
 """
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -28,6 +27,7 @@ import numpy as np
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import archive
 from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.model_io.archive_header import header_array, read_header
 from lsc_pose_ros.model_io.forest_packing import Form
 from lsc_pose_ros.model_io.model_check import MOST_TREES, check_forest
 from lsc_pose_ros.model_io.model_file import check_sizes, read_array
@@ -102,14 +102,8 @@ class CheckpointFile:
         Raises:
             InputError: the file cannot be written, or another kind of file is there.
         """
-        header = {
-            'format': FORMAT,
-            'version': VERSION,
-            'key': key,
-            'program': self._program,
-            'trees': len(trees),
-        }
-        arrays: dict[str, Any] = {'header': np.frombuffer(json.dumps(header).encode(), np.uint8)}
+        header = {'key': key, 'program': self._program, 'trees': len(trees)}
+        arrays: dict[str, Any] = {'header': header_array(FORMAT, VERSION, header)}
         for number, tree in enumerate(trees):
             arrays |= {f'{number}_{name}': getattr(tree, name) for name in _NODES}
             for kind in _KINDS:
@@ -125,13 +119,7 @@ class CheckpointFile:
 def _read(path: Path, limits: Limits) -> tuple[dict[str, str], list[FinishedTree]]:
     check_sizes(path)
     with np.load(path, allow_pickle=False) as stored:
-        header = json.loads(read_array(stored, 'header', (np.uint8, 1)).tobytes())
-        if not isinstance(header, dict) or header.get('format') != FORMAT:
-            msg = 'its header is of another kind of file'
-            raise UnusableModelError(msg)
-        if header.get('version') != VERSION:
-            msg = f'it has version {header.get("version")!r:.20}; this package reads {VERSION}'
-            raise UnusableModelError(msg)
+        header = read_header(stored, FORMAT, VERSION)
         count = header.get('trees')
         if not isinstance(count, int) or not 0 < count <= MOST_TREES:
             msg = f'it has {count!r:.20} trees'

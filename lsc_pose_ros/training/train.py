@@ -35,7 +35,6 @@ from lsc_pose_ros.training.checkpoint import (
     Checkpoint,
     FinishedTree,
     Limits,
-    NoCheckpoint,
     training_key,
 )
 from lsc_pose_ros.training.criterion import (
@@ -91,15 +90,13 @@ class TrainingSettings(NamedTuple):
 
 Progress = Callable[[str], None]
 
-_NO_CHECKPOINT = NoCheckpoint()
-
 
 def train(
     frames: Iterable[Frame],
     training: TrainingSettings,
     provenance: dict[str, str],
     progress: Progress = lambda _step: None,
-    checkpoint: Checkpoint = _NO_CHECKPOINT,
+    checkpoint: Checkpoint | None = None,
 ) -> Model:
     """Return a model trained on all labelled people in `frames`.
 
@@ -108,7 +105,8 @@ def train(
         training: the settings.
         provenance: stored in the model, as information for its users.
         progress: called with a description of each step as it begins.
-        checkpoint: keeps each finished tree, and may know some of an interrupted training.
+        checkpoint: keeps each finished tree, and may know some of an interrupted training;
+            None to keep none.
 
     Raises:
         InputError: no labelled person is visible, a joint is never labelled, or the joints that
@@ -135,7 +133,7 @@ def train_on(
     training: TrainingSettings,
     provenance: dict[str, str],
     progress: Progress = lambda _step: None,
-    checkpoint: Checkpoint = _NO_CHECKPOINT,
+    checkpoint: Checkpoint | None = None,
 ) -> Model:
     """Return a model trained on `samples`.
 
@@ -177,12 +175,14 @@ def _finish_trees(
     training: TrainingSettings,
     edges: NDArray[np.int32],
     progress: Progress,
-    checkpoint: Checkpoint,
+    checkpoint: Checkpoint | None,
 ) -> list[FinishedTree]:
     """Return all trees: those that the checkpoint has, and the others anew."""
-    key = training_key(samples, _all_that_shapes_a_tree(training))
-    limits = Limits(len(samples.quantised), len(training.joints), len(edges))
-    trees = checkpoint.load(key, limits)[: training.trees]
+    key, trees = '', list[FinishedTree]()
+    if checkpoint is not None:
+        key = training_key(samples, _all_that_shapes_a_tree(training))
+        limits = Limits(len(samples.quantised), len(training.joints), len(edges))
+        trees = checkpoint.load(key, limits)[: training.trees]
     statistics = joint_statistics(samples, training)
     for number in range(len(trees), training.trees):
         progress(f'growing tree {number + 1} of {training.trees}')
@@ -194,7 +194,8 @@ def _finish_trees(
             fit_pair_votes(samples, tree, edges, training.leaves),
         )
         trees.append(FinishedTree(tree.feature, tree.threshold, tree.left, *votes))
-        checkpoint.store(key, trees)
+        if checkpoint is not None:
+            checkpoint.store(key, trees)
     return trees
 
 

@@ -49,7 +49,6 @@ from lsc_pose_ros.files.output_file import is_written_through
 from lsc_pose_ros.model_io.model_file import MODEL, save_model
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.training.calibration import calibrate
-from lsc_pose_ros.training.checkpoint import NoCheckpoint
 from lsc_pose_ros.training.checkpoint_file import CHECKPOINT, CheckpointFile, checkpoint_path
 from lsc_pose_ros.training.samples import labelled_people
 from lsc_pose_ros.training.train import TrainingSettings, train
@@ -126,7 +125,7 @@ def run(arguments: argparse.Namespace) -> int:
     frames = read_frames(readers, 'reading')
     provenance = _provenance(arguments, training)
     checkpoint = _checkpoint(arguments)
-    model = train(frames, training, provenance, REPORTER.step, checkpoint or NoCheckpoint())
+    model = train(frames, training, provenance, REPORTER.step, checkpoint)
     if others:
         frames = read_frames(others, 'calibrating')
         model = calibrate(model, labelled_people(frames, training.joints, training.settings))
