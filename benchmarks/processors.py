@@ -22,6 +22,7 @@ instructions round otherwise. The second ones are compiled anew, which takes a m
 """
 
 import argparse
+import itertools
 import os
 import subprocess
 import sys
@@ -62,9 +63,7 @@ def _estimate(arguments: argparse.Namespace) -> NDArray[np.float32]:
     """Return x, y, z and confidence of all joints, shape (n, 4)."""
     estimator = Estimator(load_model(arguments.model))
     rows = []
-    for number, frame in enumerate(open_recording(arguments.recording)):
-        if number == arguments.frames:
-            break
+    for frame in itertools.islice(open_recording(arguments.recording), arguments.frames):
         answer = estimator.estimate(frame.depth, frame.labels, frame.camera)
         joints = np.concatenate([answer.positions, answer.confidence[..., None]], axis=-1)
         rows.append(joints.reshape(-1, 4))

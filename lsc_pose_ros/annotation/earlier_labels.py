@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.annotation.frame_store import FrameStore
 from lsc_pose_ros.data_types.frame import Frame
-from lsc_pose_ros.data_types.skeletons import Skeletons
+from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 
 
 def earlier_labels(annotated: Iterable[Frame], store: FrameStore) -> dict[int, Skeletons] | None:
@@ -47,7 +47,7 @@ def earlier_labels(annotated: Iterable[Frame], store: FrameStore) -> dict[int, S
         if number in stored and not _is_same(frame.depth, store[stored[number]].depth):
             return None
         truth = frame.ground_truth
-        if truth is not None and np.isfinite(truth.positions).all(axis=-1).any():
+        if truth is not None and known_bodies(truth):
             labels[frame.stamp] = truth
     return labels if count == len(store.all_stamps) else None
 

@@ -33,14 +33,13 @@ from lsc_pose_ros.annotation.frame_labels import (
 from lsc_pose_ros.annotation.frame_store import FrameStore
 from lsc_pose_ros.annotation.journal import Journal
 from lsc_pose_ros.data_types.frame import Frame
-from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS, PARENTS
+from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS, drawn_edges
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.tracks import skeletons_of
 
-LIMBS = (*((parent, child) for child, parent in PARENTS.items()), ('torso', 'pelvis'))
-"""The lines of a skeleton as pairs of joints: the edges of the method, and the spine between its
-two trees."""
+LIMBS = [[JOINT_NAMES[end] for end in edge] for edge in drawn_edges(range(len(JOINT_NAMES)))]
+"""The lines of a skeleton, as pairs of joints."""
 
 Start = Callable[[Frame], Skeletons]
 """Returns the skeletons with which a frame begins that has no labels."""
@@ -77,7 +76,7 @@ class Session:
             return {
                 'name': self._name,
                 'joints': list(JOINT_NAMES),
-                'limbs': [list(limb) for limb in LIMBS],
+                'limbs': LIMBS,
                 'depths': [NEAREST, FARTHEST],
                 'numbers': self._store.numbers,
                 'count': len(self._store.all_stamps),

@@ -22,7 +22,8 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 
-from lsc_pose_ros.viz.drawing.colours import EDGE, MIDDLE
+from lsc_pose_ros.viz.drawing.colours import EDGE
+from lsc_pose_ros.viz.drawing.dots import RING
 from lsc_pose_ros.viz.drawing.skeleton_overlay import legend_lines
 
 LEGEND_HEIGHT = 0.3
@@ -45,8 +46,8 @@ def frame_legend(*, skeletons: bool, ground_truth: bool) -> list[Line2D]:
 def ring_entry(label: str) -> Line2D:
     """Return the entry of the rings around joints."""
     return Line2D(
-        [], [], linestyle='', marker='o', markersize=7, markerfacecolor='none',
-        markeredgecolor=MIDDLE, markeredgewidth=1.6, label=label,
+        [], [], linestyle='', marker=RING.marker, markersize=7, markerfacecolor='none',
+        markeredgecolor=RING.rim, markeredgewidth=RING.rim_width, label=label,
     )  # fmt: skip
 
 
