@@ -20,6 +20,7 @@ metres, and so are fewer pixels if the point is farther away.
 """
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -135,6 +136,20 @@ def draw_offsets(split: NDArray[np.float32], reach: float) -> None:
 
 
 @kernel
+def draw_thresholds(values: NDArray[np.float32], thresholds: NDArray[np.float32]) -> None:
+    """Draw thresholds just below random ones of the values, ascending.
+
+    Args:
+        values: depth comparisons, shape (n,), n > 0.
+        thresholds: receives the thresholds, shape (t,).
+    """
+    for t in range(thresholds.shape[0]):
+        drawn = values[np.random.randint(values.shape[0])]  # noqa: NPY002
+        thresholds[t] = drawn - HALF_MILLIMETRE
+    thresholds.sort()
+
+
+@kernel
 def move_below(
     members: NDArray[np.int64], values: NDArray[np.float32], threshold: np.float32
 ) -> int:
@@ -157,3 +172,29 @@ def move_below(
             high += 1
     members[low:] = above[:high]
     return low
+
+
+class JoinedNodes(NamedTuple):
+    """Where the nodes of several trees are in one table.
+
+    Attributes:
+        roots: the first node of each tree, shape (T,).
+        left: the left child of each node, or -1 - its leaf, shape (n,).
+    """
+
+    roots: NDArray[np.int32]
+    left: NDArray[np.int32]
+
+
+def join_nodes(lefts: Sequence[NDArray[np.int32]]) -> JoinedNodes:
+    """Return the nodes of all trees, with nodes and leaves renumbered consecutively.
+
+    Args:
+        lefts: for each tree, the left child of each node, or -1 - its leaf, shape (nodes,).
+    """
+    nodes = np.cumsum([0, *(len(left) for left in lefts)])
+    leaves = np.cumsum([0, *((left < 0).sum() for left in lefts)])
+    joined = [
+        np.where(left >= 0, left + nodes[t], left - leaves[t]) for t, left in enumerate(lefts)
+    ]
+    return JoinedNodes(nodes[:-1].astype(np.int32), np.concatenate(joined).astype(np.int32))

@@ -15,11 +15,13 @@
 
 """Estimates joints as Shotton et al."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_experiments.body_by_body import estimate_bodies
 from lsc_pose_experiments.shotton.joint_proposals import (
     ProposalSettings,
     push_back,
@@ -30,7 +32,6 @@ from lsc_pose_experiments.shotton.part_pixels import classify_body, part_cloud
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.pose.estimator import bodies_in
 
 
 class PartModel(NamedTuple):
@@ -79,26 +80,18 @@ class PartEstimator:
             InputError: an argument has another type, shape or unit.
         """
         images = check_images(depth, labels, camera)
-        bodies = bodies_in(images.labels)
-        count = len(self.joints)
-        found = np.full((len(bodies), count, 4), np.nan, np.float32)
-        found[..., 3] = 0
-        for row, body in enumerate(bodies.tolist()):
-            self._estimate_body(images, body, found[row])
-        return Skeletons(
-            bodies, self.joints, found[..., :3].copy(), np.ascontiguousarray(found[..., 3])
-        )
+        return estimate_bodies(images, self.joints, partial(self._estimate_body, images))
 
-    def _estimate_body(
-        self, images: ImageArguments, body: int, found: NDArray[np.float32]
-    ) -> None:
-        """Write position and confidence of each joint into `found`, shape (J, 4)."""
+    def _estimate_body(self, images: ImageArguments, body: int) -> NDArray[np.float32] | None:
+        """Return position and confidence of each joint, shape (J, 4); None without pixels."""
         pixels = classify_body(images, body, self._model.forest)
         if pixels is None:
-            return
+            return None
+        found = np.empty((len(self.joints), 4), np.float32)
         for j, settings in enumerate(self._model.proposals):
             cloud = part_cloud(pixels, 1 + int(self.joints[j]))
             proposal = surface_proposal(cloud, settings.bandwidth, settings.threshold)
             position = np.array(proposal[:3], np.float32)
             found[j, :3] = push_back(position, settings.depth_offset)
             found[j, 3] = proposal.confidence
+        return found

@@ -21,6 +21,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from lsc_pose_experiments.depth_comparisons import join_nodes
 from lsc_pose_experiments.shotton.part_forest import PartForest
 from lsc_pose_experiments.shotton.part_samples import PartSamples
 from lsc_pose_experiments.shotton.part_tree_growth import PartGrowth, PartTree, grow_part_tree
@@ -60,15 +61,10 @@ def train_part_forest(
 
 def join_part_trees(trees: list[PartTree]) -> PartForest:
     """Return the trees as one forest, with nodes and leaves renumbered consecutively."""
-    nodes = np.cumsum([0, *(len(tree.left) for tree in trees)])
-    leaves = np.cumsum([0, *(len(tree.leaves) for tree in trees)])
-    left = [
-        np.where(tree.left >= 0, tree.left + nodes[t], tree.left - leaves[t])
-        for t, tree in enumerate(trees)
-    ]
+    nodes = join_nodes([tree.left for tree in trees])
     return PartForest(
-        nodes[:-1].astype(np.int32),
+        nodes.roots,
         np.concatenate([tree.splits for tree in trees]),
-        np.concatenate(left).astype(np.int32),
+        nodes.left,
         np.rint(np.concatenate([tree.leaves for tree in trees]) * _BYTE).astype(np.uint8),
     )

@@ -22,11 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_experiments.depth_comparisons import (
-    HALF_MILLIMETRE,
     Cells,
     compare_cells,
     draw_offsets,
     draw_subset,
+    draw_thresholds,
     move_below,
 )
 from lsc_pose_experiments.shotton.part_samples import PartSamples
@@ -155,10 +155,7 @@ def find_split(
     for _ in range(growth.features):
         draw_offsets(split, growth.reach)
         compare_cells(samples.depth, cells, split, values)
-        for t in range(growth.thresholds):
-            drawn = values[np.random.randint(values.shape[0])]  # noqa: NPY002
-            thresholds[t] = drawn - HALF_MILLIMETRE
-        thresholds.sort()
+        draw_thresholds(values, thresholds)
         count_classes(parts, values, thresholds, counts)
         for t in range(growth.thresholds):
             if t > 0:

@@ -21,10 +21,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_experiments.depth_comparisons import (
-    HALF_MILLIMETRE,
     compare_cells,
     draw_offsets,
     draw_subset,
+    draw_thresholds,
     move_below,
 )
 from lsc_pose_experiments.walks.direction_clusters import cluster_directions
@@ -150,10 +150,7 @@ def find_split(
     for _ in range(growth.features):
         draw_offsets(split, growth.reach)
         compare_cells(grids.depth, cells, split, values)
-        for t in range(growth.thresholds):
-            drawn = values[np.random.randint(values.shape[0])]  # noqa: NPY002
-            thresholds[t] = drawn - HALF_MILLIMETRE
-        thresholds.sort()
+        draw_thresholds(values, thresholds)
         sum_directions(directions, values, thresholds, sums)
         for t in range(growth.thresholds):
             if t > 0:

@@ -15,18 +15,19 @@
 
 """Estimates joints as Random Tree Walks."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_experiments.body_by_body import estimate_bodies
 from lsc_pose_experiments.walks.body_grid import body_centre, body_grid, pinhole_images
 from lsc_pose_experiments.walks.walk_order import walk_order
 from lsc_pose_experiments.walks.walk_trees import DirectionTrees, WalkSettings, walk_body
 from lsc_pose_ros.data_types.camera import Intrinsics
-from lsc_pose_ros.data_types.image_arguments import check_images
+from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.pose.estimator import bodies_in
 
 
 class WalkModel(NamedTuple):
@@ -81,17 +82,16 @@ class WalkEstimator:
             InputError: an argument has another type, shape or unit.
         """
         images = check_images(depth, labels, camera)
-        bodies = bodies_in(images.labels)
-        images = pinhole_images(images)
-        found = np.full((len(bodies), len(self.joints), 4), np.nan, np.float32)
-        found[..., 3] = 0
-        for row, body in enumerate(bodies.tolist()):
-            grid = body_grid(images, body)
-            if grid is not None:
-                found[row] = walk_body(
-                    grid, body_centre(grid), self._model.trees, self._order, self._draws,
-                    self._model.walk,
-                )  # fmt: skip
-        return Skeletons(
-            bodies, self.joints, found[..., :3].copy(), np.ascontiguousarray(found[..., 3])
+        walk = partial(self._walk, pinhole_images(images))
+        return estimate_bodies(images, self.joints, walk)
+
+    def _walk(self, images: ImageArguments, body: int) -> NDArray[np.float32] | None:
+        """Return position and confidence of each joint, shape (J, 4); None without depth."""
+        grid = body_grid(images, body)
+        if grid is None:
+            return None
+        model = self._model
+        walked: NDArray[np.float32] = walk_body(
+            grid, body_centre(grid), model.trees, self._order, self._draws, model.walk
         )
+        return walked

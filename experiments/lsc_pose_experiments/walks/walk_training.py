@@ -23,6 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_experiments.depth_comparisons import join_nodes
 from lsc_pose_experiments.sampled_frames import SampledFrame, decode_frames
 from lsc_pose_experiments.walks.direction_samples import (
     draw_samples,
@@ -94,16 +95,11 @@ def train_walk_model(
 
 def join_direction_trees(trees: list[DirectionTree]) -> DirectionTrees:
     """Return the trees in one table, with nodes and leaves renumbered consecutively."""
-    nodes = np.cumsum([0, *(len(tree.left) for tree in trees)])
-    leaves = np.cumsum([0, *(len(tree.directions) for tree in trees)])
-    left = [
-        np.where(tree.left >= 0, tree.left + nodes[t], tree.left - leaves[t])
-        for t, tree in enumerate(trees)
-    ]
+    nodes = join_nodes([tree.left for tree in trees])
     return DirectionTrees(
-        nodes[:-1].astype(np.int32),
+        nodes.roots,
         np.concatenate([tree.splits for tree in trees]),
-        np.concatenate(left).astype(np.int32),
+        nodes.left,
         np.concatenate([tree.directions for tree in trees]),
         np.concatenate([tree.cumulative for tree in trees]),
     )

@@ -21,12 +21,11 @@ Each pair becomes a line `pair DEPTH_STAMP MASK_STAMP`, None without a mask. Onc
 stands for the node's five, it says its counters, and complains as the node does.
 """
 
-import contextlib
 import sys
 
 import rclpy
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from spinning import spin_until_told_to_stop
 
 from lsc_pose_ros.messages.stamps import nanoseconds
 from lsc_pose_ros.ros.health.stream_warnings import StreamContext, stream_warnings
@@ -79,8 +78,7 @@ def watch() -> None:
 
 
 node.create_timer(1.0, watch)
-with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-    rclpy.spin(node)
+spin_until_told_to_stop(node)
 inputs.close()
 say('closed')
 rclpy.try_shutdown()

@@ -31,8 +31,8 @@ import time
 import numpy as np
 import rclpy
 from rclpy.duration import Duration
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from spinning import spin_until_told_to_stop
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.joints import numbers_of
@@ -134,12 +134,8 @@ def main() -> int:
             options['closes'] = False
 
     node.create_timer(PERIOD, step)
-    try:
-        rclpy.spin(node)
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+    spin_until_told_to_stop(node)
+    rclpy.try_shutdown()
     return 0
 
 
