@@ -18,14 +18,12 @@
 import numpy as np
 import pytest
 from lsc_pose_experiments.depth_comparisons import compare_cells
-from lsc_pose_experiments.sampled_frames import sample_frames
 from lsc_pose_experiments.walks.body_grid import BodyGrid, GridCamera
 from lsc_pose_experiments.walks.direction_clusters import cluster_directions
 from lsc_pose_experiments.walks.direction_samples import (
     cells_of,
     draw_samples,
     join_grids,
-    labelled_bodies,
 )
 from lsc_pose_experiments.walks.direction_tree_growth import (
     DirectionGrowth,
@@ -33,18 +31,13 @@ from lsc_pose_experiments.walks.direction_tree_growth import (
     grow_direction_tree,
     partition,
 )
-from lsc_pose_experiments.walks.walk_estimator import WalkEstimator
 from lsc_pose_experiments.walks.walk_training import (
     WalkModelSettings,
     join_direction_trees,
-    train_walk_model,
 )
 from plain.tree_walk import comparison_of_point, leaf_of_point
 
-from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.data_types.joints import names_of, numbers_of
-from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.evaluation.evaluate import evaluate, summarise
+from lsc_pose_ros.data_types.joints import numbers_of
 
 JOINTS = numbers_of(['head', 'neck', 'torso', 'l_shoulder', 'r_shoulder', 'l_knee', 'r_hand'])
 SMALL = WalkModelSettings(points=60, growth=DirectionGrowth(depth=16))
@@ -184,69 +177,3 @@ def test_few_directions_are_their_own_clusters():
     cluster_directions(directions, centres, cumulative)
     np.testing.assert_array_equal(centres[:2], directions)
     np.testing.assert_array_equal(cumulative, [0.5, 1, 1, 1])
-
-
-@pytest.fixture(scope='module')
-def estimator(people):
-    """An estimator that has learned from 120 frames."""
-    frames = sample_frames(people[:120], 1000, (0,)).frames
-    return WalkEstimator(train_walk_model(frames, JOINTS, SMALL, 0))
-
-
-def test_joints_of_similar_people_are_found(estimator, people):
-    summary = summarise(evaluate(estimator, people[120:150]), 0.1)
-    assert list(summary.joints) == names_of(JOINTS)
-    assert summary.joints['head'].ap > 0.9
-    assert summary.map > 0.7
-
-
-def test_confidence_is_a_fraction_and_the_estimate_repeatable(estimator, people):
-    frame = people[130]
-    first = estimator.estimate(frame.depth, frame.labels, frame.camera)
-    again = estimator.estimate(frame.depth, frame.labels, frame.camera)
-    np.testing.assert_array_equal(first.positions, again.positions)
-    assert ((first.confidence >= 0) & (first.confidence <= 1)).all()
-
-
-def test_training_is_repeatable(people):
-    frames = sample_frames(people[:20], 1000, (0,)).frames
-    models = [train_walk_model(frames, JOINTS, SMALL, 4) for _ in range(2)]
-    for first, second in zip(*(model.trees for model in models), strict=True):
-        np.testing.assert_array_equal(first, second)
-
-
-def test_body_without_depth_has_no_joints(estimator, people):
-    frame = people[0]
-    found = estimator.estimate(np.zeros_like(frame.depth), frame.labels, frame.camera)
-    assert len(found.bodies) == 1
-    assert np.isnan(found.positions).all()
-    assert (found.confidence == 0).all()
-
-
-def test_image_without_bodies_has_no_skeletons(estimator, people):
-    frame = people[0]
-    found = estimator.estimate(frame.depth, np.full_like(frame.labels, NO_BODY), frame.camera)
-    assert found.positions.shape == (0, len(JOINTS), 3)
-
-
-def test_joints_that_are_never_labelled_are_left_out(people):
-    frame = people[0]
-    kept = [n for n, joint in enumerate(frame.ground_truth.joints) if joint != JOINTS[-1]]
-    truth = frame.ground_truth
-    less = truth._replace(
-        joints=truth.joints[kept],
-        positions=truth.positions[:, kept],
-        confidence=truth.confidence[:, kept],
-    )
-    assert len(list(labelled_bodies(frame._replace(ground_truth=less), JOINTS))) == 1
-    sample = sample_frames([frame._replace(ground_truth=less)], 1, (0,)).frames
-    model = train_walk_model(sample, JOINTS, SMALL, 0)
-    assert model.joints.tolist() == JOINTS[:-1].tolist()
-    assert len(model.trees.roots) == len(JOINTS) - 1
-
-
-def test_frames_without_people_teach_nothing(people):
-    nobody = people[0]._replace(labels=np.full_like(people[0].labels, NO_BODY))
-    sample = sample_frames([nobody], 1, (0,)).frames
-    with pytest.raises(InputError, match='no labelled person is visible'):
-        train_walk_model(sample, JOINTS, SMALL, 0)
