@@ -44,6 +44,10 @@ LARGEST_DOUBT = 3.0
 LEAST_AGREEMENT = 0.85
 """All body yaws are tried if the agreement falls below this fraction of that before."""
 
+LEAST_LEAD = 1.0
+"""A person's body yaw is decided if no other one, not beside it, is believed nearly as much: less
+by no more than this."""
+
 
 class BodyYawBelief(NamedTuple):
     """What is known of a person's body yaw.
@@ -52,14 +56,17 @@ class BodyYawBelief(NamedTuple):
         yaw: radians, as `body_yaw_of`.
         belief: in each of the model's body yaws, 0 for the best one, less for the others, shape
             (n,).
-        agreement: of the votes at the best one.
-        doubtful: whether the frame alone says another one, not beside it. Then all are tried
-            again in the next frame, until one of the two is believed.
+        agreement: of the votes on each when they were last tried, as a fraction of the largest
+            one of that frame, shape (n,).
+        best_agreement: of the votes at the best one.
+        doubtful: whether another one, not beside it, is believed nearly as much, or agrees better
+            in this frame alone. Then all are tried again in the next frame.
     """
 
     yaw: float
     belief: NDArray[np.float64]
-    agreement: float
+    agreement: NDArray[np.float64]
+    best_agreement: float
     doubtful: bool = False
 
 
@@ -114,11 +121,12 @@ def follow_body_yaw(
     if not all_round and not before.doubtful:
         near = np.arange(expected - 1, expected + 2) % len(body_yaws)
         tried = agreements(model, *some, scale, body_yaws[near])
-        # The others agree no better than these: else the agreement would have dropped.
-        rough = np.full(len(body_yaws), tried.min())
+        # The others agree as they did when they were tried: a body yaw that could be the right
+        # one does not lose by not being tried.
+        rough = before.agreement * tried.max()
         rough[near] = tried
         best = int(np.argmax(rough + carried))
-        if rough[best] >= LEAST_AGREEMENT * before.agreement:
+        if rough[best] >= LEAST_AGREEMENT * before.best_agreement:
             return _belief(rough + carried, rough, best)
     rough = agreements(model, *some, scale, body_yaws)
     return _belief(rough + carried, rough, int(np.argmax(rough + carried)))
@@ -128,6 +136,8 @@ def _belief(belief: NDArray[np.float64], rough: NDArray[np.float64], best: int) 
     count = len(belief)
     yaw = float(body_yaws_around(count)[best] + peak_beside(rough, best) * 2 * np.pi / count)
     bounded = np.maximum(belief - belief.max(), -LARGEST_DOUBT)
-    steps = abs(int(np.argmax(rough)) - best)
-    doubtful = min(steps, count - steps) > 1
-    return BodyYawBelief(yaw, bounded, float(rough[best]), doubtful)
+    steps = abs(np.arange(count) - best)
+    away = np.minimum(steps, count - steps) > 1
+    doubtful = bool(away[np.argmax(rough)]) or bool((bounded[away] > -LEAST_LEAD).any())
+    agreement = rough / max(rough.max(), np.finfo(np.float64).tiny)
+    return BodyYawBelief(yaw, bounded, agreement, float(rough[best]), doubtful)

@@ -30,6 +30,7 @@ from lsc_pose_ros.pose.forest.body_yaw import body_yaws_around
 from lsc_pose_ros.pose.forest.body_yaw_tracking import (
     LARGEST_DOUBT,
     LEAST_AGREEMENT,
+    LEAST_LEAD,
     TURN_PENALTY,
     BodyYawBelief,
     follow_body_yaw,
@@ -88,7 +89,8 @@ class Twin:
 
     def __init__(self) -> None:
         self.belief: list[float] | None = None
-        self.agreement = 0.0
+        self.agreement = [0.0] * COUNT
+        self.best_agreement = 0.0
         self.doubtful = False
 
     def follow(self, table: np.ndarray, *, all_round: bool) -> float:
@@ -102,9 +104,12 @@ class Twin:
             belief = [r + c for r, c in zip(rough, carried, strict=True)]
         best = belief.index(max(belief))
         self.belief = [max(each - belief[best], -LARGEST_DOUBT) for each in belief]
-        self.agreement = rough[best]
+        self.best_agreement = rough[best]
+        self.agreement = [each / max(rough) for each in rough]
         alone = rough.index(max(rough))
-        self.doubtful = alone not in {(best + step) % COUNT for step in (-1, 0, 1)}
+        beside = {(best + step) % COUNT for step in (-1, 0, 1)}
+        rivals = [self.belief[k] for k in range(COUNT) if k not in beside]
+        self.doubtful = alone not in beside or max(rivals) > -LEAST_LEAD
         return float(body_yaws_around(COUNT)[best]) + STEP * self._peak(rough, best)
 
     def _carried(self, belief: list[float]) -> list[float]:
@@ -123,10 +128,12 @@ class Twin:
     ) -> list[float]:
         """What is known of the agreements: those beside the last body yaw, or all of them."""
         beside = [(last + step) % COUNT for step in (-1, 0, 1)]
-        lowest = min(table[k] for k in beside)
-        rough = [float(table[k]) if k in beside else float(lowest) for k in range(COUNT)]
+        highest = float(max(table[k] for k in beside))
+        rough = [
+            float(table[k]) if k in beside else highest * self.agreement[k] for k in range(COUNT)
+        ]
         best = max(range(COUNT), key=lambda k: rough[k] + carried[k])
-        if all_round or self.doubtful or rough[best] < LEAST_AGREEMENT * self.agreement:
+        if all_round or self.doubtful or rough[best] < LEAST_AGREEMENT * self.best_agreement:
             return [float(each) for each in table]
         return rough
 
@@ -151,7 +158,8 @@ def run(
         expected = twin.follow(table, all_round=all_round)
         assert apart(belief.yaw, expected) < 1e-9
         np.testing.assert_allclose(belief.belief, twin.belief, atol=1e-9)
-        assert belief.agreement == pytest.approx(twin.agreement)
+        np.testing.assert_allclose(belief.agreement, twin.agreement, atol=1e-9)
+        assert belief.best_agreement == pytest.approx(twin.best_agreement)
         assert belief.doubtful == twin.doubtful
         found.append(belief.yaw)
     return np.array(found)
@@ -199,6 +207,31 @@ def test_a_person_who_was_first_seen_turned_round_does_not_stay_so(frames: Frame
     assert (apart(found[-20:], 0.3) < STEP).all()
 
 
+def test_a_person_whose_back_agreed_better_at_first_does_not_stay_turned_round(
+    frames: Frames,
+) -> None:
+    """The front agrees a little better in most frames: too little for a single one to decide."""
+    front, back = facing(0.3, back=0.98), facing(0.3 + math.pi, back=0.98)
+    assert 0 < front.max() - back[np.argmax(front)] < LEAST_LEAD / 2
+    found = run(frames, [back, back] + [front] * 30)
+    assert apart(found[0], 0.3 + math.pi) < STEP
+    assert (apart(found[-10:], 0.3) < STEP).all()
+
+
+def test_all_body_yaws_are_tried_until_one_leads(frames: Frames) -> None:
+    table, belief, frames_until_decided = facing(0.3, back=0.9), None, 0
+    while belief is None or belief.doubtful:
+        belief = frames.follow(table, belief, all_round=False)
+        assert set(frames.tried) == set(range(COUNT))
+        frames_until_decided += 1
+    # The lead grows by the same difference in each frame, until it is large enough.
+    away = apart(body_yaws_around(COUNT), 0.3) > 1.5 * STEP
+    lead = table.max() - table[away].max()
+    assert frames_until_decided == math.ceil(LEAST_LEAD / lead) > 1
+    frames.follow(table, belief, all_round=False)
+    assert len(set(frames.tried)) == 3
+
+
 def test_all_body_yaws_are_tried_while_a_frame_alone_says_another(frames: Frames) -> None:
     belief = None
     for _ in range(5):
@@ -225,6 +258,8 @@ def test_only_body_yaws_beside_the_last_are_tried_unless_the_agreement_drops(
 ) -> None:
     belief = frames.follow(facing(0.0), None, all_round=True)
     assert set(frames.tried) == set(range(COUNT))
+    while belief.doubtful:
+        belief = frames.follow(facing(0.0), belief, all_round=True)
     at = int(np.argmax(belief.belief))
     beside = {(at + step) % COUNT for step in (-1, 0, 1)}
     belief = frames.follow(facing(0.0), belief, all_round=False)
@@ -238,7 +273,7 @@ def test_only_body_yaws_beside_the_last_are_tried_unless_the_agreement_drops(
 
 
 def test_a_belief_in_another_number_of_body_yaws_does_not_count(frames: Frames) -> None:
-    other = BodyYawBelief(0.0, np.zeros(COUNT + 1), 5.0)
+    other = BodyYawBelief(0.0, np.zeros(COUNT + 1), np.ones(COUNT + 1), 5.0)
     found = frames.follow(facing(1.0), other, all_round=False)
     expected = frames.follow(facing(1.0), None, all_round=True)
     assert found.yaw == expected.yaw
