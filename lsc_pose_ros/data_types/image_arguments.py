@@ -35,6 +35,9 @@ from lsc_pose_ros.data_types.camera import (
 )
 from lsc_pose_ros.errors import InputError
 
+MOST_PIXELS = 2**21
+"""An image with more pixels is thinned out: no depth camera measures so many independently."""
+
 _DEPTH_TYPE = np.dtype(np.float32)
 _LABEL_TYPE = np.dtype(np.int32)
 
@@ -89,6 +92,28 @@ def check_images(
         depth if _is_plain(depth, _DEPTH_TYPE) else np.array(depth, _DEPTH_TYPE, order='C'),
         labels if _is_plain(labels, _LABEL_TYPE) else np.array(labels, _LABEL_TYPE, order='C'),
         _check_camera(camera),
+    )
+
+
+def thin_out(images: ImageArguments) -> ImageArguments:
+    """Return the images with every n-th pixel of every n-th row: with MOST_PIXELS at most.
+
+    Images without more pixels are returned as they are.
+
+    Args:
+        images: of any size.
+    """
+    height, width = images.depth.shape
+    step = 1
+    while -(-height // step) * -(-width // step) > MOST_PIXELS:
+        step += 1
+    if step == 1:
+        return images
+    fx, fy, cx, cy = (each / step for each in images.camera[:4])
+    return ImageArguments(
+        np.ascontiguousarray(images.depth[::step, ::step]),
+        np.ascontiguousarray(images.labels[::step, ::step]),
+        Intrinsics(fx, fy, cx, cy, images.camera.lens),
     )
 
 

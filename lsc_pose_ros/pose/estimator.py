@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.conversion import LARGEST_BODY
-from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images
+from lsc_pose_ros.data_types.image_arguments import ImageArguments, check_images, thin_out
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.pose.body_estimate import BodyEstimate
@@ -101,7 +101,8 @@ class Estimator:
     ) -> Skeletons:
         """Return the joints of each body in `labels`, in the order of the bodies' numbers.
 
-        If too little of a body is visible, its joints are NaN with confidence 0.
+        Of images with more than MOST_PIXELS only some pixels are used. If too little of a body is
+        visible, its joints are NaN with confidence 0.
 
         Args:
             depth: metres, 0 if the sensor measured nothing, shape (H, W). float32 is the fastest;
@@ -135,7 +136,7 @@ class Estimator:
             observer: as `estimate`.
             memory: what the frames before say of each body; None for nothing.
         """
-        images = check_images(depth, labels, camera)
+        images = thin_out(check_images(depth, labels, camera))
         bodies, beyond = largest_bodies(images.labels, self.maximum_bodies)
         _check_background(images.labels, bodies)
         count = len(self.model.joints)

@@ -22,7 +22,12 @@ import pytest
 
 from lsc_pose_ros.data_types.camera import EQUIDISTANT, PLUMB_BOB, Intrinsics, Lens
 from lsc_pose_ros.data_types.frame import NO_BODY
-from lsc_pose_ros.data_types.image_arguments import check_images
+from lsc_pose_ros.data_types.image_arguments import (
+    MOST_PIXELS,
+    ImageArguments,
+    check_images,
+    thin_out,
+)
 from lsc_pose_ros.errors import InputError
 
 DEPTH = np.arange(20, dtype=np.float32).reshape(4, 5)
@@ -145,3 +150,30 @@ def test_coefficients_of_the_lens_become_a_tuple(coefficients):
 def test_other_lens_is_refused(lens):
     with pytest.raises(InputError, match=r'lens|coefficients'):
         check_images(DEPTH, LABELS, CAMERA._replace(lens=lens))
+
+
+@pytest.mark.parametrize('shape', [(1200, 1600), (1, MOST_PIXELS), (4, 5), (0, 0)])
+def test_images_of_usual_size_are_not_thinned_out(shape):
+    images = ImageArguments(np.zeros(shape, np.float32), np.zeros(shape, np.int32), CAMERA)
+    assert thin_out(images) is images
+
+
+@pytest.mark.parametrize('shape', [(3072, 4096), (1, 3 * MOST_PIXELS), (5 * MOST_PIXELS, 1)])
+def test_pixels_of_a_large_image_that_are_left_are_where_they_were(shape):
+    lens = Lens(PLUMB_BOB, (0.1, 0.0, 0.0, 0.0, 0.0))
+    camera = Intrinsics(900.0, 910.0, 700.5, 1001.0, lens)
+    rows, columns = np.mgrid[: shape[0], : shape[1]]
+    depth = (1 + rows + columns / 8192).astype(np.float32)
+    thin = thin_out(ImageArguments(depth, (rows ^ columns).astype(np.int32), camera))
+    assert MOST_PIXELS / 5 < thin.depth.size == thin.labels.size <= MOST_PIXELS
+    assert thin.depth.flags.carray
+    assert thin.labels.flags.carray
+    assert thin.camera.lens == lens
+    height, width = thin.depth.shape
+    for row, column in ((0, 0), (height - 1, width - 1), (height // 2, width // 3)):
+        # The pixel on the same ray of the large image has the same depth.
+        x = (column - thin.camera.cx) / thin.camera.fx
+        y = (row - thin.camera.cy) / thin.camera.fy
+        at = round(camera.cy + camera.fy * y), round(camera.cx + camera.fx * x)
+        assert thin.depth[row, column] == depth[at]
+        assert thin.labels[row, column] == at[0] ^ at[1]

@@ -19,6 +19,8 @@ import numpy as np
 import pytest
 
 from lsc_pose_ros.camera.projection import project
+from lsc_pose_ros.data_types import image_arguments
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.pose.estimator import Estimator, bodies_in, largest_bodies
 from lsc_pose_ros.pose.stages import FEWEST_POINTS
@@ -146,6 +148,20 @@ def test_confidence_is_interpolated_at_the_vote_fraction_of_the_joint(estimator,
         support = (votes.weight[mine] * np.exp(-squared / h**2)).sum() / votes.weight[mine].sum()
         expected = np.interp(support, knots, calibration[joint])
         assert found.confidence[0, joint] == pytest.approx(expected, abs=1e-3)
+
+
+def test_large_images_are_estimated_from_some_of_their_pixels(estimator, people, monkeypatch):
+    frame = people[0]
+    small = estimator.estimate(frame.depth, frame.labels, frame.camera)
+    monkeypatch.setattr(image_arguments, 'MOST_PIXELS', frame.depth.size)
+    # Three times as large, with pixels between those of the frame that would change everything.
+    height, width = frame.depth.shape
+    depth = np.full((3 * height, 3 * width), 0.5, np.float32)
+    labels = np.zeros(depth.shape, np.int32)
+    depth[::3, ::3], labels[::3, ::3] = frame.depth, frame.labels
+    camera = Intrinsics(*(3 * each for each in frame.camera[:4]))
+    large = estimator.estimate(depth, labels, camera)
+    np.testing.assert_allclose(large.positions, small.positions, atol=1e-6)
 
 
 def test_bodies_in_a_mask():
