@@ -13,7 +13,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The exception for inputs that cannot be used."""
+"""The exception for inputs that cannot be used, and how its message quotes them."""
 
 
 class InputError(Exception):
@@ -22,3 +22,9 @@ class InputError(Exception):
     The message is one sentence that names the input and says what to do. The command line prints
     it and ends with status 2; the node logs it.
     """
+
+
+def excerpt(value: object, length: int = 80) -> str:
+    """Return the text of `value`, cut, for a message: in files it may be megabytes long."""
+    text = ' '.join(str(value).split())
+    return text if len(text) <= length else f'{text[: length - 3]}...'

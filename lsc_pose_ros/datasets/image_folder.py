@@ -15,7 +15,6 @@
 
 """Imports a folder of depth images: 16-bit PNG files, and the intrinsics of the camera as JSON."""
 
-import json
 import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -27,7 +26,8 @@ from PIL import Image
 
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.resources.json_files import read_json
 
 FRAME_ID = 'camera_depth_optical_frame'
 _SECOND = 1_000_000_000
@@ -132,19 +132,19 @@ def read_intrinsics(path: Path) -> Intrinsics:
     Raises:
         InputError: the file cannot be read, or has no intrinsics.
     """
-    try:
-        table = json.loads(path.read_text(encoding='utf-8'))
-    except (OSError, ValueError) as error:
-        msg = f'cannot read the intrinsics {path}: {error}'
-        raise InputError(msg) from error
+    table = read_json(path, 'intrinsics')
     try:
         return Intrinsics.from_matrix(_matrix(table))
-    except (KeyError, TypeError, ValueError, InputError) as error:
-        msg = f'{path} has no intrinsics ({error}); it must have one of the forms {_FORMS}'
+    except (KeyError, TypeError, ValueError, OverflowError, InputError) as error:
+        why = excerpt(error)
+        msg = f'{path} has no intrinsics ({why}); it must have one of the forms {_FORMS}'
         raise InputError(msg) from error
 
 
 def _matrix(table: Any) -> NDArray[np.float64]:  # noqa: ANN401 - anything that JSON holds
+    if not isinstance(table, dict):
+        msg = 'it is no table'
+        raise TypeError(msg)
     if 'intrinsic_matrix' in table:
         return np.array(table['intrinsic_matrix'], np.float64).reshape(3, 3).T
     if 'K' in table or 'k' in table:

@@ -20,13 +20,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
 from lsc_pose_ros.labels.transform_history import TransformHistory
 from lsc_pose_ros.messages.label_messages import StampedTransform
 from lsc_pose_ros.resources.yaml_tables import read_yaml
 
 WORLD = 'world'
 """The frame of files that name none."""
+
+FARTHEST = 1e9
+"""No position is farther from the origin of its frame, metres."""
 
 _KEYS = {'parent', 'translation', 'rotation'}
 
@@ -64,14 +67,22 @@ def load_extrinsic(path: Path) -> Extrinsic:
         msg = f'{path} is no pose of a camera; give {example}, and optionally parent: FRAME'
         raise InputError(msg)
     try:
-        t_x, t_y, t_z = np.array(loaded['translation'], np.float64).reshape(3).tolist()
+        translation = np.array(loaded['translation'], np.float64).reshape(3)
         rotation = np.array(loaded['rotation'], np.float64).reshape(4)
-    except (TypeError, ValueError) as error:
-        msg = f'{path}: {error}; give {example}'
+    except (TypeError, ValueError, OverflowError) as error:
+        msg = f'{path}: {excerpt(error)}; give {example}'
         raise InputError(msg) from error
-    length = float(np.linalg.norm(rotation))
-    if not np.isfinite([t_x, t_y, t_z, length]).all() or abs(length - 1) > 0.01:
-        msg = f'{path}: the rotation must be a quaternion of length 1, and all numbers finite'
+    if not (np.abs(translation) <= FARTHEST).all():  # NaN, too
+        msg = f'{path}: the translation must be three numbers of metres, up to {FARTHEST:g}'
         raise InputError(msg)
+    length = float(np.linalg.norm(rotation)) if (np.abs(rotation) <= 2).all() else np.nan
+    if not abs(length - 1) <= 0.01:
+        msg = f'{path}: the rotation must be a quaternion of length 1'
+        raise InputError(msg)
+    parent = loaded.get('parent', WORLD)
+    if not isinstance(parent, str):
+        msg = f'{path}: parent is {excerpt(repr(parent))}; give the name of a frame'
+        raise InputError(msg)
+    t_x, t_y, t_z = translation.tolist()
     x, y, z, w = (rotation / length).tolist()
-    return Extrinsic(str(loaded.get('parent', WORLD)), (t_x, t_y, t_z), (x, y, z, w))
+    return Extrinsic(parent, (t_x, t_y, t_z), (x, y, z, w))

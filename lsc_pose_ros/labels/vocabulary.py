@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.body_frame import body_frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
 from lsc_pose_ros.resources.package_files import resource
 from lsc_pose_ros.resources.yaml_tables import read_yaml, table_of
 
@@ -35,6 +35,8 @@ OWN = 'lsc_pose'
 
 _KEYS = ('names', 'joints_per_body', 'joints')
 _SOURCE_KEYS = ('of', 'offset')
+_MOST_JOINTS = 1000
+_LARGEST_NUMBER = 1e6
 _ALL_JOINTS = np.arange(len(JOINT_NAMES), dtype=np.uint16)
 
 
@@ -148,16 +150,20 @@ def _read(path: Path, loaded: object) -> Vocabulary:
         raise ValueError(msg)
     used = list(dict.fromkeys(each for source in joints.values() for each in source.weights))
     names = table.get('names', used)
-    if not isinstance(names, list) or len({str(each) for each in names}) < len(names):
-        msg = 'names must be a list of different names'
+    if not isinstance(names, list) or not all(isinstance(each, str | int) for each in names):
+        msg = 'names must be a list of names'
+        raise ValueError(msg)
+    if len({str(each) for each in names}) < len(names) or len(names) > _MOST_JOINTS:
+        msg = f'names must be at most {_MOST_JOINTS} different names'
         raise ValueError(msg)
     missing = [each for each in used if each not in [str(name) for name in names]]
     if missing:
-        msg = f'joints uses {missing[0]}, which is not among names'
+        msg = f'joints uses {excerpt(missing[0])}, which is not among names'
         raise ValueError(msg)
     per_body = table.get('joints_per_body', 0)
-    if not isinstance(per_body, int) or per_body < 0:
-        msg = f'joints_per_body is {per_body!r}, not a number from 0'
+    if type(per_body) is not int or not 0 <= per_body <= _LARGEST_NUMBER:
+        given = excerpt(repr(per_body))
+        msg = f'joints_per_body is {given}, not a number from 0 to {_LARGEST_NUMBER:.0f}'
         raise ValueError(msg)
     return Vocabulary(path, tuple(str(name) for name in names), per_body, joints)
 
@@ -170,11 +176,11 @@ def _joint(name: str, value: Any) -> JointSource:  # noqa: ANN401
     if isinstance(value, str | int):
         value = [value]
     if isinstance(value, list) and value:
-        value = dict.fromkeys(value, 1 / len(value))
+        value = dict.fromkeys(map(_source, value), 1 / len(value))
     if not isinstance(value, dict) or not value:
         msg = f'{name} must be a joint, a list of joints, or weights of joints'
         raise ValueError(msg)
-    weights = {str(each): _number(weight, name) for each, weight in value.items()}
+    weights = {_source(each): _number(weight, name) for each, weight in value.items()}
     if abs(sum(weights.values()) - 1) > 1e-6:
         msg = f'the weights of {name} sum to {sum(weights.values()):g}, not to 1'
         raise ValueError(msg)
@@ -186,7 +192,14 @@ def _joint(name: str, value: Any) -> JointSource:  # noqa: ANN401
 
 
 def _number(value: object, name: str) -> float:
-    if not isinstance(value, int | float) or not np.isfinite(value):
-        msg = f'{name}: {value!r} is not a number'
+    if not isinstance(value, int | float) or not abs(value) <= _LARGEST_NUMBER:
+        msg = f'{name}: {excerpt(repr(value))} is not a number'
         raise ValueError(msg)
     return float(value)
+
+
+def _source(value: object) -> str:
+    if not isinstance(value, str | int):
+        msg = f'{excerpt(repr(value))} is not the name of a joint'
+        raise ValueError(msg)  # noqa: TRY004 - the user's error, not the program's
+    return str(value)

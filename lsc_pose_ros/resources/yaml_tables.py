@@ -18,24 +18,22 @@
 from pathlib import Path
 from typing import Any
 
-import yaml
-
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.resources.bounded_yaml import parse_yaml
+from lsc_pose_ros.resources.text_files import read_text
 
 
 def read_yaml(path: Path, what: str) -> Any:  # noqa: ANN401 - anything that YAML holds
     """Return the contents of a YAML file; `what` names it in errors.
 
     Raises:
-        InputError: the file cannot be read or is not YAML.
+        InputError: the file cannot be read, or is no YAML that `parse_yaml` allows.
     """
+    text = read_text(path, what)
     try:
-        return yaml.safe_load(path.read_text(encoding='utf-8'))
-    except OSError as error:
-        msg = f'cannot read the {what} {path}: {error.strerror or error}'
-        raise InputError(msg) from error
-    except (yaml.YAMLError, UnicodeDecodeError) as error:
-        msg = f'the {what} {path} is not valid YAML: {" ".join(str(error).split())}'
+        return parse_yaml(text)
+    except ValueError as error:
+        msg = f'the {what} {path} is not valid YAML: {error}'
         raise InputError(msg) from error
 
 
@@ -50,6 +48,7 @@ def table_of(value: object, name: str, keys: tuple[str, ...]) -> dict[str, Any]:
         raise ValueError(msg)  # noqa: TRY004 - the user's error, not the program's
     unknown = [str(key) for key in value if key not in keys]
     if unknown:
-        msg = f'{name} has unknown keys: {", ".join(unknown)}; known keys are {", ".join(keys)}'
+        listed = excerpt(', '.join(unknown))
+        msg = f'{name} has unknown keys: {listed}; known keys are {", ".join(keys)}'
         raise ValueError(msg)
     return value

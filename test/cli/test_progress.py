@@ -83,7 +83,13 @@ def test_settings_of_a_training_from_a_file(tmp_path):
         ('mirror: 3', 'give true or false'),
         ('feature: best', 'give one of'),
         ('- 1', 'no table of settings'),
-        ('a: [', 'cannot read the settings'),
+        ('a: [', 'settings.yaml is not valid YAML: line 1'),
+        ('trees: [1, 2]', 'trees: give one value'),
+        ('joints: []', 'joints: give one value or more'),
+        ('trees: {a: 1}', 'trees: give one value'),
+        ('model: null', 'is not a setting'),
+        ('feature: null', 'feature: give one value'),
+        ('trees: 1\ntrees: 2', 'line 2: the key trees occurs twice'),
     ],
 )
 def test_unusable_settings_are_told(settings, reason, tmp_path):

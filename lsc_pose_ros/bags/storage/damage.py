@@ -25,6 +25,8 @@ from mcap.exceptions import EndOfFile, McapError, RecordLengthLimitExceeded
 from mcap.stream_reader import CRCValidationError
 from rosbags.serde import SerdeError
 
+from lsc_pose_ros.errors import excerpt
+
 # mcap, rosbags and lz4 do not catch the exceptions that damaged data cause in the Python code
 # below them.
 DAMAGE = (
@@ -58,5 +60,4 @@ def reason(error: BaseException) -> str:
         return 'a length is impossible'
     if isinstance(error, OSError) and error.strerror:
         return error.strerror.lower()
-    text = ' '.join(str(error).split()) or type(error).__name__
-    return text if len(text) < 100 else f'{text[:97]}...'
+    return excerpt(str(error) or type(error).__name__, 100)

@@ -13,24 +13,24 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Finds the files of a recording, and reads metadata.yaml."""
+"""Finds the files of a recording."""
 
 import io
 import re
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, NamedTuple, cast
 
-import yaml
 import zstandard
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE, reason
 from lsc_pose_ros.bags.storage.piecewise_stream import PiecewiseStream
+from lsc_pose_ros.bags.storage.recorded_metadata import METADATA_NAME, read_metadata
 from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
 
 MCAP_MAGIC = b'\x89MCAP0\r\n'
 SQLITE_MAGIC = b'SQLite format 3\0'
@@ -38,8 +38,10 @@ ZSTD_MAGIC = b'\x28\xb5\x2f\xfd'
 _ROS1_MAGIC = b'#ROSBAG V'
 _LONGEST_MAGIC = 16
 
-METADATA_NAME = 'metadata.yaml'
 _PART_NAME = re.compile(r'\.(mcap|db3)(\.zstd)?$')
+
+# So many files that cannot be read have a warning each.
+_SHOWN = 5
 
 
 class Part(NamedTuple):
@@ -84,12 +86,12 @@ def find_parts(path: Path) -> Layout:
     if not path.is_dir():
         return Layout(path, [identify(path)], _topics_beside(path), [])
     warnings: list[str] = []
-    metadata = _read_metadata(path / METADATA_NAME, warnings)
-    parts = _identify_all(_part_paths(path, metadata, warnings), warnings)
+    metadata = read_metadata(path / METADATA_NAME, warnings)
+    parts = _identify_all(_part_paths(path, metadata.files, warnings), warnings)
     if not parts:
         msg = f'{path}: no recording in this folder (.mcap or .db3, with or without .zstd)'
         raise InputError('; '.join([msg, *warnings]))
-    return Layout(path, parts, _topics(metadata, warnings), warnings)
+    return Layout(path, parts, metadata.topics, warnings)
 
 
 def identify(path: Path) -> Part:
@@ -153,42 +155,23 @@ def plain_copy(part: Part, name: str) -> Iterator[Path]:
         yield path
 
 
-def _read_metadata(path: Path, warnings: list[str]) -> dict[str, object]:
-    """Return the contents of metadata.yaml, empty if it is missing or damaged."""
-    if not path.exists():
-        return {}
-    try:
-        contents = yaml.safe_load(path.read_text('utf-8'))
-        information = contents['rosbag2_bagfile_information']
-        names = [str(name) for name in information['relative_file_paths']]
-    except (*DAMAGE, RecursionError) as error:
-        warnings.append(f'{path} is damaged ({reason(error)}); it was ignored')
-        return {}
-    return {**information, 'relative_file_paths': names}
-
-
 def _topics_beside(path: Path) -> dict[str, TopicSummary] | None:
     """Return the topics of the metadata.yaml beside a file, None if it does not list the file."""
-    metadata = _read_metadata(path.with_name(METADATA_NAME), [])
-    names = cast('list[str]', metadata.get('relative_file_paths', []))
-    if path.name.removesuffix('.zstd') not in {Path(n).name.removesuffix('.zstd') for n in names}:
-        return None
-    return _topics(metadata, [])
+    metadata = read_metadata(path.with_name(METADATA_NAME), [])
+    listed = {name.removesuffix('.zstd') for name in metadata.files}
+    return metadata.topics if path.name.removesuffix('.zstd') in listed else None
 
 
-def _part_paths(folder: Path, metadata: dict[str, object], warnings: list[str]) -> list[Path]:
+def _part_paths(folder: Path, names: Sequence[str], warnings: list[str]) -> list[Path]:
     """Return the files in the order of the metadata, then the others by their numbers."""
-    names = cast('list[str]', metadata.get('relative_file_paths', []))
-    # Old recordings contain the name of the folder. The suffix .zstd is missing if it was killed
-    # during compression.
-    listed = [_with_compression(folder / Path(name).name) for name in names]
+    # The suffix .zstd is missing if the recorder was killed during compression.
+    listed = [_with_compression(folder / name) for name in names]
     found = [path for path in folder.iterdir() if _PART_NAME.search(path.name)]
     found.sort(key=lambda path: [*map(int, re.findall(r'\d+', path.name)), 0])
     others = [path for path in found if path not in listed]
     if names and others:
-        warnings.append(
-            f'{METADATA_NAME} does not list {", ".join(each.name for each in others)}; read, too'
-        )
+        unlisted = excerpt(', '.join(each.name for each in others), 500)
+        warnings.append(f'{METADATA_NAME} does not list {unlisted}; read, too')
     if others and not any(path.exists() for path in listed):
         return others  # the files were renamed
     return [*listed, *others]
@@ -201,32 +184,13 @@ def _with_compression(path: Path) -> Path:
 
 def _identify_all(paths: list[Path], warnings: list[str]) -> list[Part]:
     """Return the readable files; warn of the others."""
-    parts = []
+    parts, others = [], []
     for path in paths:
         try:
             parts.append(identify(path))
         except InputError as error:  # noqa: PERF203
-            warnings.append(f'{error}; it was left out')
+            others.append(f'{error}; it was left out')
+    warnings += others[:_SHOWN]
+    if len(others) > _SHOWN:
+        warnings.append(f'{len(others) - _SHOWN} more files were left out')
     return parts
-
-
-def _topics(metadata: dict[str, object], warnings: list[str]) -> dict[str, TopicSummary] | None:
-    if not metadata:
-        return None
-    try:
-        entries = cast('list[dict[str, object]]', metadata['topics_with_message_count'])
-        return dict(_topic(entry) for entry in entries) or None
-    except DAMAGE as error:
-        warnings.append(f'{METADATA_NAME} does not list the topics ({reason(error)})')
-        return None
-
-
-def _topic(entry: dict[str, object]) -> tuple[str, TopicSummary]:
-    topic = cast('dict[str, object]', entry['topic_metadata'])
-    qos = topic.get('offered_qos_profiles') or ''
-    if not isinstance(qos, str):  # a list since version 9, text in a text before
-        qos = yaml.safe_dump(qos, sort_keys=False)
-    count = entry['message_count']
-    return str(topic['name']), TopicSummary(
-        str(topic['type']), count if isinstance(count, int) else None, qos
-    )

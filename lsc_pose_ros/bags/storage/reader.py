@@ -24,8 +24,9 @@ from pathlib import Path
 import zstandard
 
 from lsc_pose_ros.bags.storage.damage import DAMAGE
-from lsc_pose_ros.bags.storage.layout import METADATA_NAME, ZSTD_MAGIC, Part, find_parts
+from lsc_pose_ros.bags.storage.layout import ZSTD_MAGIC, Part, find_parts
 from lsc_pose_ros.bags.storage.mcap_file import McapPart
+from lsc_pose_ros.bags.storage.recorded_metadata import METADATA_NAME
 from lsc_pose_ros.bags.storage.serialized_messages import (
     ReadStatistics,
     SerializedMessage,

@@ -29,7 +29,7 @@ from lsc_pose_ros.bags.serialization.serialize import (
     skeletons_message,
 )
 from lsc_pose_ros.bags.serialization.type_store import type_definition, type_hash
-from lsc_pose_ros.bags.storage.layout import MCAP_MAGIC, METADATA_NAME
+from lsc_pose_ros.bags.storage.layout import MCAP_MAGIC
 from lsc_pose_ros.bags.storage.metadata import (
     RecordingContents,
     WrittenTopic,
@@ -37,6 +37,7 @@ from lsc_pose_ros.bags.storage.metadata import (
     metadata_yaml,
     qos_text,
 )
+from lsc_pose_ros.bags.storage.recorded_metadata import METADATA_NAME
 from lsc_pose_ros.bags.topics import DEFAULT_TOPICS, Topics
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons

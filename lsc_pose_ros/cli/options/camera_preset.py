@@ -82,9 +82,9 @@ def preset_defaults(name: str) -> dict[str, Any]:
     if name not in camera_names():
         msg = f'{OPTION} {name}: there is no such camera; there are {", ".join(camera_names())}'
         raise InputError(msg)
-    import yaml  # noqa: PLC0415 - only this option needs it
+    # Only this option needs YAML, whose import takes time.
+    from lsc_pose_ros.resources.yaml_tables import read_yaml  # noqa: PLC0415
 
-    path = resource('config', 'cameras', f'{name}.yaml')
-    preset = yaml.safe_load(path.read_text('utf-8'))
+    preset = read_yaml(resource('config', 'cameras', f'{name}.yaml'), 'preset of the camera')
     defaults: dict[str, Any] = dict(preset['parameters'])
     return defaults | {_TOPIC_OPTIONS[role]: topic for role, topic in preset['topics'].items()}

@@ -19,7 +19,7 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
 
 OPTION = '--settings'
 
@@ -67,20 +67,17 @@ def use_settings_file(parser: argparse.ArgumentParser, words: Sequence[str]) -> 
         action = known.get(str(name).replace('-', '_'))
         if action is None:
             names = ', '.join(sorted(known))
-            msg = f'{path}: {name} is not a setting; the settings are {names}'
+            msg = f'{path}: {excerpt(name)} is not a setting; the settings are {names}'
             raise InputError(msg)
         defaults[action.dest] = _converted(path, action, value)
     parser.set_defaults(**defaults)
 
 
 def _read(path: Path) -> dict[object, object]:
-    import yaml  # noqa: PLC0415 - only this option needs it
+    # Only this option needs YAML, whose import takes time.
+    from lsc_pose_ros.resources.yaml_tables import read_yaml  # noqa: PLC0415
 
-    try:
-        loaded = yaml.safe_load(path.read_text('utf-8'))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        msg = f'cannot read the settings {path}: {" ".join(str(error).split())}'
-        raise InputError(msg) from error
+    loaded = read_yaml(path, 'file of settings')
     if not isinstance(loaded, dict):
         msg = f'{path} is no table of settings, such as `trees: 5`'
         raise InputError(msg)
@@ -91,18 +88,22 @@ def _converted(path: Path, action: argparse.Action, value: object) -> object:
     """Return `value` as the option `action` would have read it."""
     if action.nargs == 0:  # a switch
         if not isinstance(value, bool):
-            msg = f'{path}: {action.dest} is {value!r}; give true or false'
+            msg = f'{path}: {action.dest} is {excerpt(repr(value))}; give true or false'
             raise InputError(msg)
         return value
-    parts = value if isinstance(value, list) else [value]
+    several = action.nargs in {'+', '*'}
+    parts = value if several and isinstance(value, list) else [value]
+    if not parts or not all(isinstance(part, str | int | float) for part in parts):
+        msg = f'{path}: {action.dest}: give one value{" or more" if several else ""}'
+        raise InputError(msg)
     convert = action.type if callable(action.type) else str
     try:
         converted = [convert(str(part)) for part in parts]
     except (ValueError, argparse.ArgumentTypeError) as error:
-        msg = f'{path}: {action.dest}: {error}'
+        msg = f'{path}: {action.dest}: {excerpt(error, 200)}'
         raise InputError(msg) from error
     if action.choices is not None and not set(converted) <= set(action.choices):
         choices = ', '.join(map(str, action.choices))
-        msg = f'{path}: {action.dest} is {value!r}; give one of {choices}'
+        msg = f'{path}: {action.dest} is {excerpt(repr(value))}; give one of {choices}'
         raise InputError(msg)
-    return converted if action.nargs in {'+', '*'} else converted[0]
+    return converted if several else converted[0]

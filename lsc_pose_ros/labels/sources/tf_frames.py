@@ -24,13 +24,15 @@ import numpy as np
 
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.labels.extrinsic import FARTHEST
 from lsc_pose_ros.labels.tracks import LabelSettings, finished, skeletons_of
 from lsc_pose_ros.labels.transform_history import TransformHistory
 from lsc_pose_ros.labels.vocabulary import Vocabulary
 from lsc_pose_ros.resources.yaml_tables import read_yaml
 
 _LARGEST_BODY = 65535
+_MOST_BODIES = 1000
 
 # A warning names so many of the frames that are missing.
 _SHOWN = 3
@@ -131,12 +133,16 @@ def _by_pattern(
     if not isinstance(pattern, str) or '{joint}' not in pattern:
         msg = "pattern must be a text with {joint}, such as '{joint}_{body}'"
         raise ValueError(msg)
+    numbers = [_body(body) for body in bodies]
+    if not numbers or len(set(numbers)) < len(numbers) or len(numbers) > _MOST_BODIES:
+        msg = f'bodies must be 1 to {_MOST_BODIES} different numbers'
+        raise ValueError(msg)
     return {
-        _body(body): {
+        body: {
             index: JointFrame(pattern.replace('{joint}', name).replace('{body}', str(body)))
             for index, name in enumerate(vocabulary.names)
         }
-        for body in bodies
+        for body in numbers
     }
 
 
@@ -147,7 +153,7 @@ def _by_name(bodies: object, vocabulary: Vocabulary) -> dict[int, dict[int, Join
     found: dict[int, dict[int, JointFrame]] = {}
     for body, joints in bodies.items():
         if not isinstance(joints, dict):
-            msg = f'body {body} must be a table of joints and their frames'
+            msg = f'body {excerpt(body)} must be a table of joints and their frames'
             raise ValueError(msg)  # noqa: TRY004 - the user's error, not the program's
         found[_body(body)] = {
             _joint(str(name), vocabulary): _frame(name, value) for name, value in joints.items()
@@ -156,8 +162,8 @@ def _by_name(bodies: object, vocabulary: Vocabulary) -> dict[int, dict[int, Join
 
 
 def _body(value: object) -> int:
-    if not isinstance(value, int) or not 0 <= value <= _LARGEST_BODY:
-        msg = f'{value!r} is not a body number from 0 to {_LARGEST_BODY}'
+    if type(value) is not int or not 0 <= value <= _LARGEST_BODY:
+        msg = f'{excerpt(repr(value))} is not a body number from 0 to {_LARGEST_BODY}'
         raise ValueError(msg)
     return value
 
@@ -165,7 +171,8 @@ def _body(value: object) -> int:
 def _joint(name: str, vocabulary: Vocabulary) -> int:
     index = vocabulary.number_of(name)
     if index is None:
-        msg = f'unknown joint {name}; the joints are {", ".join(vocabulary.names)}'
+        listed = excerpt(', '.join(vocabulary.names), 600)
+        msg = f'unknown joint {excerpt(name)}; the joints are {listed}'
         raise ValueError(msg)
     return index
 
@@ -174,9 +181,18 @@ def _frame(name: object, value: object) -> JointFrame:
     if isinstance(value, str):
         return JointFrame(value)
     if isinstance(value, dict) and isinstance(value.get('frame'), str):
-        offset = np.array(value.get('offset', (0, 0, 0)), np.float64)
-        if offset.shape == (3,) and np.isfinite(offset).all() and len(value) <= 2:
-            x, y, z = offset.tolist()
+        offset = value.get('offset', (0, 0, 0))
+        if len(value) <= 2 and _is_offset(offset):
+            x, y, z = map(float, offset)
             return JointFrame(value['frame'], (x, y, z))
-    msg = f'{name} must be a frame, or {{frame: NAME, offset: [x, y, z]}} in metres'
+    msg = f'{excerpt(name)} must be a frame, or {{frame: NAME, offset: [x, y, z]}} in metres'
     raise ValueError(msg)
+
+
+def _is_offset(value: object) -> bool:
+    """Return whether `value` is three numbers of metres."""
+    return (
+        isinstance(value, list | tuple)
+        and len(value) == 3
+        and all(isinstance(each, int | float) and abs(each) <= FARTHEST for each in value)
+    )

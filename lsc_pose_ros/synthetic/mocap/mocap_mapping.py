@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
 from lsc_pose_ros.resources.yaml_tables import read_yaml, table_of
 
 TRUNK: tuple[str, ...] = ('pelvis', 'waist', 'chest', 'neck', 'head')
@@ -142,7 +142,7 @@ def _axes(value: Any) -> NDArray[np.float64]:  # noqa: ANN401 - anything that YA
 def _axis(value: Any, name: str) -> NDArray[np.float64]:  # noqa: ANN401
     letter = str(value).lower().lstrip('+-')
     if letter not in _AXES or len(str(value)) > 2:
-        msg = f'axes: {name} is {value!r}; give x, y, z, -x, -y or -z'
+        msg = f'axes: {name} is {excerpt(repr(value))}; give x, y, z, -x, -y or -z'
         raise ValueError(msg)
     axis = np.zeros(3)
     axis[_AXES[letter]] = -1.0 if str(value).startswith('-') else 1.0
@@ -177,7 +177,7 @@ def _part(segment: str) -> str:
 
 def _joint(name: str, value: Any) -> str:  # noqa: ANN401
     if not isinstance(value, str | int):
-        msg = f'{name}: {value!r} is not the name of a joint'
+        msg = f'{name}: {excerpt(repr(value))} is not the name of a joint'
         raise ValueError(msg)  # noqa: TRY004
     return str(value)
 
@@ -209,13 +209,13 @@ def _bent(name: str, value: Any) -> float | None:  # noqa: ANN401
         msg = f'{name}: bent is only allowed in forearm and shank'
         raise ValueError(msg)
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value <= 90:
-        msg = f'{name}: bent is {value!r}; give 0 to 90 degrees'
+        msg = f'{name}: bent is {excerpt(repr(value))}; give 0 to 90 degrees'
         raise ValueError(msg)
     return float(value)
 
 
 def _count(name: str, value: Any) -> int:  # noqa: ANN401
     if not isinstance(value, int) or isinstance(value, bool) or value < 0:
-        msg = f'{name} is {value!r}; give a frame number, 0 or more'
+        msg = f'{name} is {excerpt(repr(value))}; give a frame number, 0 or more'
         raise ValueError(msg)
     return value

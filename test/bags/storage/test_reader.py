@@ -202,6 +202,83 @@ def test_damaged_metadata_are_done_without(tmp_path, messages):
         assert 'metadata.yaml is damaged' in reader.warnings[0]
 
 
+FLOW = ['&a0 [z, z]', *(f'&a{n} [*a{n - 1}, *a{n - 1}]' for n in range(1, 30))]
+BOMB = f'[{", ".join(FLOW)}]'
+"""A list that would be written with 2^30 letters."""
+
+BEGIN = 'rosbag2_bagfile_information:\n  '
+
+
+@pytest.mark.parametrize(
+    'text',
+    [
+        BEGIN + 'relative_file_paths: ' + BOMB,
+        BEGIN + 'relative_file_paths: [bag_0.mcap]\n  topics_with_message_count: ' + BOMB,
+        BEGIN + 'relative_file_paths: [bag_0.mcap, 1]',
+        BEGIN + 'relative_file_paths: [bag_0.mcap]\n  version: ' + '1:' * 500_000 + '1',
+        BEGIN + 'relative_file_paths: [bag_0.mcap]\n  version: ' + '1' * 5000,
+        BEGIN + 'relative_file_paths: ["\\ud800"]',
+        '[' * 1_000_000,
+        '#' * 2_000_000,
+    ],
+)
+def test_metadata_of_a_stranger_are_done_without(tmp_path, messages, text):
+    folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
+    (folder / 'metadata.yaml').write_text(text)
+    reader = read_messages(folder)
+    assert list(reader) == messages
+    assert 'metadata.yaml is damaged' in reader.warnings[0]
+    assert len(reader.warnings[0]) < 500
+    lone = read_messages(folder / 'bag_0.mcap')
+    assert list(lone) == messages[:17]
+
+
+@pytest.mark.parametrize(
+    'entry',
+    [
+        '1',
+        '{topic_metadata: 1}',
+        '{topic_metadata: {name: [/mask], type: a/msg/B}}',
+        '{topic_metadata: {name: /mask, type: {a: 1}}}',
+    ],
+)
+def test_topics_of_a_stranger_are_done_without(tmp_path, messages, entry):
+    folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
+    (folder / 'metadata.yaml').write_text(
+        f'{BEGIN}relative_file_paths: [bag_0.mcap, bag_1.mcap]\n'
+        f'  topics_with_message_count: [{entry}]'
+    )
+    reader = read_messages(folder)
+    assert list(reader) == messages
+    assert 'does not list the topics' in reader.warnings[0]
+    assert set(reader.topics) == {message.topic for message in messages}
+
+
+def test_names_that_no_file_can_have_are_left_out(tmp_path, messages):
+    folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
+    (folder / 'metadata.yaml').write_text(
+        f'{BEGIN}relative_file_paths: [{"x" * 300}.mcap, "a\\0b", bag_0.mcap, bag_1.mcap]\n'
+    )
+    assert list(read_messages(folder)) == messages
+
+
+def test_many_missing_files_have_few_warnings(tmp_path, messages):
+    folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
+    names = ', '.join(f'gone_{number}.mcap' for number in range(1000))
+    (folder / 'metadata.yaml').write_text(
+        f'{BEGIN}relative_file_paths: [bag_0.mcap, bag_1.mcap, {names}]'
+    )
+    reader = read_messages(folder)
+    assert list(reader) == messages
+    assert '995 more files were left out' in reader.warnings
+    assert len(reader.warnings) < 10
+    for path in folder.glob('*.mcap'):
+        path.unlink()
+    with pytest.raises(InputError, match='no recording in this folder') as caught:
+        read_messages(folder)
+    assert len(str(caught.value)) < 2000
+
+
 def test_quality_of_service_is_given(tmp_path, labelled_recording, messages):
     lone = read_messages(labelled_recording).topics['/mask']
     assert yaml.safe_load(lone.qos)[0]['reliability'] == 'reliable'
