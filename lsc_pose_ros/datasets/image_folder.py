@@ -27,6 +27,7 @@ from PIL import Image
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.labels.limits import LATEST, regular_stamps
 from lsc_pose_ros.resources.json_files import read_json
 
 FRAME_ID = 'camera_depth_optical_frame'
@@ -37,7 +38,6 @@ EPOCH = 1_420_070_400 * _SECOND
 
 # Numbers in file names from here on are stamps: of the year 2001 and later.
 _LEAST_SECONDS = 1_000_000_000
-_LARGEST_SECONDS = 100_000_000_000
 
 _FORMS = (
     '{"fx": ..., "fy": ..., "cx": ..., "cy": ...}, {"K": [9 numbers, row by row]}, or '
@@ -65,9 +65,11 @@ class ImageFolder(NamedTuple):
     @property
     def stamps(self) -> list[int]:
         """The stamp of each image, nanoseconds: from the names, or else from the rate."""
-        return _stamps_in(self.paths) or [
-            EPOCH + round(number * _SECOND / self.rate) for number in range(len(self.paths))
-        ]
+        named = _stamps_in(self.paths)
+        if named:
+            return named
+        folder, count = self.paths[0].parent, len(self.paths)
+        return [int(stamp) for stamp in regular_stamps(folder, EPOCH, count, 1 / self.rate)]
 
 
 def open_image_folder(
@@ -192,9 +194,9 @@ def _stamp_in(name: str) -> int | None:
     if match is None:
         return None
     whole, decimals = int(match.group(1)), (match.group(2) or '').ljust(9, '0')
-    if _LEAST_SECONDS <= whole < _LARGEST_SECONDS:
+    if _LEAST_SECONDS <= whole <= LATEST // _SECOND:
         return whole * _SECOND + int(decimals)
-    return whole if whole >= _LEAST_SECONDS * _SECOND else None
+    return whole if _LEAST_SECONDS * _SECOND <= whole <= LATEST else None
 
 
 def _natural(name: str) -> list[tuple[int, str]]:

@@ -21,7 +21,9 @@ as with UTD-MHAD, they are flipped, and positions (X, Y up, Z) become (-X, -Y, Z
 follow from the pixel of each joint, which the file has beside its position.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -33,17 +35,19 @@ from lsc_pose_ros.camera.projection import back_project
 from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY, Frame
 from lsc_pose_ros.datasets.image_folder import EPOCH, FRAME_ID, read_png
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
 from lsc_pose_ros.labels.body_matching import numbered_as_mask
 from lsc_pose_ros.labels.tracks import skeletons_of
 from lsc_pose_ros.labels.vocabulary import Vocabulary, load_vocabulary
 
 FRAME_RATE = 30
+_IMAGE = re.compile(r'MDepth-([0-9]{1,9})\.png')
 _SECOND = 1_000_000_000
 _JOINTS = 25
 _COLUMNS = 12  # of a joint: x y z, depth x y, colour x y, orientation w x y z, state
 _BODY_COLUMNS = 10
 _NOT_TRACKED = 0
+_LARGEST = 1e6
 
 # The nominal intrinsics of the depth camera, if a file has too few joints to fit them.
 _NOMINAL = Intrinsics(365.5, 365.5, 255.5, 211.5)
@@ -63,10 +67,10 @@ class SkeletonFrame(NamedTuple):
 
 
 class NtuSequence(NamedTuple):
-    """A sequence: its skeleton file and its depth images."""
+    """A sequence: its skeleton file and its depth images by their numbers, from 1."""
 
     skeleton: Path
-    images: Sequence[Path]
+    images: Mapping[int, Path]
 
 
 def find_sequences(skeletons: Path, depth: Path) -> list[NtuSequence]:
@@ -81,7 +85,8 @@ def find_sequences(skeletons: Path, depth: Path) -> list[NtuSequence]:
     """
     sequences = []
     for path in sorted(skeletons.glob('*.skeleton')):
-        images = sorted((depth / path.stem).glob('MDepth-*.png'))
+        names = (depth / path.stem).glob('MDepth-*.png')
+        images = {int(found[1]): each for each in names if (found := _IMAGE.fullmatch(each.name))}
         if images:
             sequences.append(NtuSequence(path, images))
     if not sequences:
@@ -93,8 +98,13 @@ def find_sequences(skeletons: Path, depth: Path) -> list[NtuSequence]:
     return sequences
 
 
-def import_ntu(sequences: Sequence[NtuSequence]) -> Iterator[Frame]:
+def import_ntu(sequences: Sequence[NtuSequence], left_out: Counter[str]) -> Iterator[Frame]:
     """Yield the frames of sequences, without mirroring, with a second between sequences.
+
+    Args:
+        sequences: the sequences.
+        left_out: counts the images and the skeletons that are left out, because the other one of
+            the same number is missing.
 
     Raises:
         InputError: a file cannot be read.
@@ -103,10 +113,16 @@ def import_ntu(sequences: Sequence[NtuSequence]) -> Iterator[Frame]:
     for sequence in sequences:
         skeletons = read_skeleton_file(sequence.skeleton)
         camera = fit_camera(skeletons)
-        pairs = zip(sequence.images, skeletons, strict=False)
-        for number, (path, bodies) in enumerate(pairs):
+        for number, bodies in enumerate(skeletons):
+            path = sequence.images.get(number + 1)
+            if path is None:
+                left_out['skeletons without an image'] += 1
+                continue
             stamp = start + number * _SECOND // FRAME_RATE
             yield _frame(stamp, read_png(path), bodies, camera)
+        surplus = sum(not 1 <= number <= len(skeletons) for number in sequence.images)
+        if surplus:
+            left_out['images without a skeleton'] += surplus
         start += len(skeletons) * _SECOND // FRAME_RATE + _SECOND
 
 
@@ -195,13 +211,17 @@ def read_skeleton_file(path: Path) -> list[SkeletonFrame]:
         return values
 
     try:
-        return [_read_frame(numbers) for _ in range(int(numbers(1)[0]))]
+        frames = [_read_frame(numbers) for _ in range(int(numbers(1)[0]))]
     except StopIteration:
         msg = f'{path} ends too early, at line {number}; fetch it again'
         raise InputError(msg) from None
-    except ValueError as error:
-        msg = f'{path}, line {number}: {error}; fetch it again'
+    except (ValueError, OverflowError) as error:
+        msg = f'{path}, line {number}: {excerpt(error)}; fetch it again'
         raise InputError(msg) from error
+    if not frames:
+        msg = f'{path} has no frames; fetch it again'
+        raise InputError(msg)
+    return frames
 
 
 def _read_frame(numbers: Callable[[int], list[float]]) -> SkeletonFrame:
@@ -213,6 +233,9 @@ def _read_frame(numbers: Callable[[int], list[float]]) -> SkeletonFrame:
             raise ValueError(msg)
         joints = np.array([numbers(_COLUMNS) for _ in range(_JOINTS)])
         joints[joints[:, -1] == _NOT_TRACKED] = np.nan
+        if (np.abs(joints[:, :5]) > _LARGEST).any():
+            msg = f'a position or pixel is beyond {_LARGEST:g}'
+            raise ValueError(msg)
         bodies.append(joints[:, :5])
     table = np.array(bodies).reshape(-1, _JOINTS, 5)
     return SkeletonFrame(table[..., :3], table[..., 3:])

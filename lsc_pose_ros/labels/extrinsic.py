@@ -21,15 +21,13 @@ from typing import NamedTuple
 import numpy as np
 
 from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.labels.limits import FARTHEST
 from lsc_pose_ros.labels.transform_history import TransformHistory
 from lsc_pose_ros.messages.label_messages import StampedTransform
 from lsc_pose_ros.resources.yaml_tables import read_yaml
 
 WORLD = 'world'
 """The frame of files that name none."""
-
-FARTHEST = 1e9
-"""No position is farther from the origin of its frame, metres."""
 
 _KEYS = {'parent', 'translation', 'rotation'}
 

@@ -15,8 +15,9 @@
 
 """Writes a copy of a recording with labels."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from lsc_pose_ros.bags import DEFAULT_TOPICS, FrameReader, RecordingReader, RecordingWriter
 from lsc_pose_ros.bags.message_copier import MessageCopier
@@ -37,12 +38,14 @@ class LabelCounts:
         labelled: those with a labelled body, of which a joint is known.
         bodies: the labelled bodies of all frames.
         unmatched: bodies that were left out because no mask shows them.
+        missing: the frames that are not labelled, by the reason, in words that follow 'N frames'.
     """
 
     frames: int = 0
     labelled: int = 0
     bodies: int = 0
     unmatched: int = 0
+    missing: Counter[str] = field(default_factory=Counter)
 
 
 def write_labelled_copy(
@@ -73,12 +76,17 @@ def write_labelled_copy(
     for number, frame in enumerate(frames):
         log_time = copier.copy_up_to(frame.stamp)
         skeletons = source.at(number, frame)
+        reason = '' if known_bodies(skeletons) else source.why_none(number, frame)
         if frames.topics.mask:
             matched = numbered_as_mask(skeletons, frame)
             counts.unmatched += len(skeletons.bodies) - len(matched.bodies)
             skeletons = matched
+            reason = reason or ('' if known_bodies(skeletons) else 'whose bodies no mask shows')
         if clean is not None:
             skeletons = clean(frame, skeletons)
+            reason = reason or ('' if known_bodies(skeletons) else 'whose joints were all dropped')
+        if reason:
+            counts.missing[reason] += 1
         counts.frames += 1
         counts.labelled += known_bodies(skeletons) > 0
         counts.bodies += known_bodies(skeletons)

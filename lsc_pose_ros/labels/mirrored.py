@@ -58,3 +58,7 @@ class MirroredLabels:
             )
         flipped = skeletons.positions * np.array([-1, 1, 1], np.float32)
         return skeletons._replace(positions=flipped)
+
+    def why_none(self, number: int, frame: Frame) -> str:
+        """Return why a frame has no label; as `LabelSource.why_none`."""
+        return self._source.why_none(number, frame)

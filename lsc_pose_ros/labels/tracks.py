@@ -26,10 +26,14 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.labels.interpolation import between, bracket
+from lsc_pose_ros.labels.limits import FARTHEST
 from lsc_pose_ros.labels.transform_history import IDENTITY, Pose, TransformHistory
 from lsc_pose_ros.labels.vocabulary import Vocabulary
 
 ALL_JOINTS = np.arange(len(JOINT_NAMES), dtype=np.uint16)
+
+NOWHERE = 'with labels that have no position'
+"""Why a frame has no label though a source knows its moment; as `LabelSource.why_none`."""
 
 CAMERA_FRAME = ''
 """Stands for the optical frame of the depth image as the frame of a track."""
@@ -64,6 +68,14 @@ class LabelSource(Protocol):
 
     def at(self, number: int, frame: Frame) -> Skeletons:
         """Return the labelled bodies of a frame, without those of which nothing is known.
+
+        Args:
+            number: of the depth image in the recording, from 0.
+            frame: the frame, not turned upright.
+        """
+
+    def why_none(self, number: int, frame: Frame) -> str:
+        """Return why `at` has no body in a frame, in words that follow 'N frames'.
 
         Args:
             number: of the depth image in the recording, from 0.
@@ -109,6 +121,7 @@ def body_tracks(samples: Iterable[JointSample], vocabulary: Vocabulary) -> list[
     for (body, frame_id), by_stamp in sorted(moments.items()):
         stamps = np.array(sorted(by_stamp), np.int64)
         theirs = np.stack([by_stamp[int(stamp)] for stamp in stamps])
+        theirs[~(np.abs(theirs) <= FARTHEST)] = np.nan
         tracks.append(BodyTrack(body, frame_id, stamps, vocabulary.ours(theirs)))
     return tracks
 
@@ -150,17 +163,35 @@ class TrackLabels:
                 found[track.body] = finished(positions, self._settings)
         return skeletons_of(found)
 
+    def why_none(self, number: int, frame: Frame) -> str:  # noqa: ARG002
+        """Return why a frame has no label; as `LabelSource.why_none`."""
+        moment = frame.stamp - self._settings.time_offset
+        gap = self._settings.longest_gap
+        near = [track for track in self._tracks if bracket(track.stamps, moment, gap) is not None]
+        if near:
+            posed = any(self._find_pose(track.frame_id, frame) is not None for track in near)
+            return NOWHERE if posed else 'at whose time the pose of the labels is unknown'
+        if all(moment < track.stamps[0] for track in self._tracks):
+            return 'before the first label'
+        if all(moment > track.stamps[-1] for track in self._tracks):
+            return 'after the last label'
+        return f'in a gap of more than {gap * 1e-9:g} s between labels'
+
     def _pose(self, frame_id: str, frame: Frame) -> Pose | None:
-        if frame_id == CAMERA_FRAME or frame_id.lstrip('/') == frame.frame_id.lstrip('/'):
-            return IDENTITY
-        pose = self._transforms.lookup(frame.frame_id, frame_id, frame.stamp)
+        pose = self._find_pose(frame_id, frame)
         if pose is None:
             self._without_pose[frame_id] += 1
         return pose
 
+    def _find_pose(self, frame_id: str, frame: Frame) -> Pose | None:
+        if frame_id == CAMERA_FRAME or frame_id.lstrip('/') == frame.frame_id.lstrip('/'):
+            return IDENTITY
+        return self._transforms.lookup(frame.frame_id, frame_id, frame.stamp)
+
 
 def finished(positions: NDArray[np.float64], settings: LabelSettings) -> NDArray[np.float64]:
     """Return the joints of one body in the camera's frame as labels, shape (20, 3)."""
+    positions = np.where(np.abs(positions) <= FARTHEST, positions, np.nan)
     return settings.vocabulary.with_offsets(positions) if settings.with_offsets else positions
 
 

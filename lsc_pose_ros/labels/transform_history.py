@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.rotation import rotation_matrix
 from lsc_pose_ros.labels.interpolation import between, bracket, slerp
+from lsc_pose_ros.labels.limits import FARTHEST
 from lsc_pose_ros.messages.label_messages import StampedTransform
 
 # Deeper trees are cycles.
@@ -77,10 +78,12 @@ class TransformHistory:
         return parents | set(self._static) | set(self._moving)
 
     def add(self, transform: StampedTransform, *, static: bool = False) -> None:
-        """Add a transform; one with numbers that are not finite is left out."""
+        """Add a transform; one with numbers that are not finite, or absurd, is left out."""
         numbers = np.array([*transform.translation, *transform.rotation])
+        if not (np.abs(numbers) <= FARTHEST).all():  # NaN, too
+            return
         length = float(np.linalg.norm(transform.rotation))
-        if not np.isfinite(numbers).all() or not length > 0:
+        if not length > 0:
             return
         child, parent = _plain(transform.child), _plain(transform.parent)
         rotation = np.array(transform.rotation) / length

@@ -73,7 +73,13 @@ class Vocabulary(NamedTuple):
         """Return the index in `names` of a joint that is named or numbered; None if unknown."""
         if word in self.names:
             return self.names.index(word)
-        return int(word) if word.isdecimal() and int(word) < len(self.names) else None
+        numbered = word.isascii() and word.isdecimal() and len(word) <= len(str(len(self.names)))
+        return int(word) if numbered and int(word) < len(self.names) else None
+
+    @property
+    def listed(self) -> str:
+        """The names of the joints for a message."""
+        return excerpt(', '.join(self.names), 500)
 
     def ours(self, positions: NDArray[np.floating]) -> NDArray[np.float64]:
         """Return our joints without their offsets, shape (..., 20, 3).

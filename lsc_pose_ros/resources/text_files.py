@@ -16,11 +16,14 @@
 """Reads small text files that users write or get from strangers."""
 
 from pathlib import Path
+from typing import BinaryIO
 
 from lsc_pose_ros.errors import InputError
 
 LARGEST_TEXT = 1 << 20
 """The largest file of settings, bytes; nobody writes a larger one."""
+
+_PIECE = 1 << 16
 
 
 def read_text(path: Path, what: str, largest: int = LARGEST_TEXT) -> str:
@@ -36,7 +39,7 @@ def read_text(path: Path, what: str, largest: int = LARGEST_TEXT) -> str:
     """
     try:
         with path.open('rb') as stream:
-            data = stream.read(largest + 1)
+            data = _read(stream, largest)
         if len(data) <= largest:
             return data.decode('utf-8-sig')
     except (OSError, ValueError) as error:  # no file, no path, or not UTF-8
@@ -45,3 +48,14 @@ def read_text(path: Path, what: str, largest: int = LARGEST_TEXT) -> str:
         raise InputError(msg) from error
     msg = f'the {what} {path} has more than {largest >> 10} kB, which is too much for such a file'
     raise InputError(msg)
+
+
+def _read(stream: BinaryIO, largest: int) -> bytes:
+    """Return what the stream has, and at most a piece more than `largest` bytes.
+
+    `read(largest)` would allocate so many bytes also for a short file.
+    """
+    data = bytearray()
+    while len(data) <= largest and (piece := stream.read(_PIECE)):
+        data += piece
+    return bytes(data)

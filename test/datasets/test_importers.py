@@ -16,6 +16,7 @@
 """Importers of other data sets and formats, on files that these tests write."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -28,8 +29,12 @@ from lsc_pose_ros.bags import RecordingReader
 from lsc_pose_ros.bags.serialization.deserialize import read_camera_info
 from lsc_pose_ros.camera.projection import project
 from lsc_pose_ros.cli.main import main
+from lsc_pose_ros.data_types.camera import Intrinsics
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
+from lsc_pose_ros.datasets.image_folder import ImageFolder
+from lsc_pose_ros.datasets.ntu_rgbd import read_skeleton_file
+from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.vocabulary import load_vocabulary
 
 K = {'fx': 60.0, 'fy': 61.0, 'cx': 31.5, 'cy': 23.5}
@@ -226,6 +231,39 @@ def write_ntu(folder, count):
     for number in range(1, count + 1):
         Image.fromarray(depth).save(images / f'MDepth-{number:08d}.png')
     return bodies
+
+
+def test_ntu_rgbd_images_keep_their_skeletons_if_some_are_missing(tmp_path, capsys):
+    write_ntu(tmp_path, 4)
+    words = ['--depth', tmp_path, '--no-check']
+    whole = list(open_recording(imported(tmp_path, 'ntu-rgbd', tmp_path, *words)))
+    images = tmp_path / 'S001C001P001R001A001'
+    last = images / 'MDepth-00000004.png'
+    shutil.copy(last, images / 'MDepth-00000005.png')
+    shutil.copy(last, images / 'MDepth-00000006.png')
+    (images / 'MDepth-00000002.png').unlink()
+    (tmp_path / 'imported.mcap').unlink()
+    capsys.readouterr()
+    frames = list(open_recording(imported(tmp_path, 'ntu-rgbd', tmp_path, *words)))
+    assert [frame.stamp for frame in frames] == [whole[n].stamp for n in (0, 2, 3)]
+    said = capsys.readouterr().err
+    assert 'left out: skeletons without an image (1), images without a skeleton (2)' in said
+
+
+@pytest.mark.parametrize('number', ['inf', '1e300', '-1', '0', '0.5'])
+def test_ntu_rgbd_with_an_absurd_number_of_frames_is_refused(number, tmp_path):
+    path = tmp_path / 'k.skeleton'
+    path.write_text(f'{number}\n0\n')
+    with pytest.raises(InputError, match=r'k\.skeleton'):
+        read_skeleton_file(path)
+
+
+@pytest.mark.parametrize('rate', [1e-3, 1e5])
+def test_images_with_names_that_are_no_stamps_have_the_rate(rate, tmp_path):
+    paths = [tmp_path / f'{"9" * 200}_{number}{"9" * 20}.png' for number in range(3)]
+    stamps = ImageFolder(paths, Intrinsics(1, 1, 0, 0), None, 0.001, rate).stamps
+    assert np.diff(stamps).tolist() == [round(1e9 / rate)] * 2
+    assert stamps[0] == EPOCH
 
 
 def test_ntu_rgbd_is_mirrored_back(tmp_path):

@@ -68,6 +68,7 @@ from lsc_pose_ros.synthetic.mocap.mocap_mapping import load_mapping
 from lsc_pose_ros.training.checkpoint import FinishedTree, Limits
 from lsc_pose_ros.training.checkpoint_file import CheckpointFile
 
+from label_targets import label_targets  # isort: skip
 from tiny_model import tiny_model  # isort: skip
 
 STAMP = 1_700_000_000_000_000_000
@@ -340,4 +341,8 @@ def targets() -> dict[str, Target]:
             [resource('config', 'mocap', 'cmu.yaml').read_bytes()],
             through_file('k.yaml', load_mapping),
         ),
+        **{
+            name: Target(each.seeds, through_file(each.name, each.read))
+            for name, each in label_targets().items()
+        },
     }

@@ -45,7 +45,7 @@ LONGEST_MESSAGE = 1000
 PIECES = [
     b'', b'\0', b'\xff', b'\xff' * 4, b'\x7f\xff\xff\xff', b'\xff\xff\xff\x7f', b'\0' * 8,
     b'\xff' * 8, b'\0\0\xc0\x7f', b'\xff\xff\x7f\x7f', b'\0\0\x80\xff', b'-1', b'1e999', b'nan',
-    b'9' * 40, b'[' * 50,
+    b'9' * 40, b'9' * 400, b'[' * 50, b'null', b'NaN', b'Infinity', b'1e-400', b'-5', b'{}',
     b'{', b'\n', b'&a [*a]', b'*a', b'&a ', b'1:1:1', b'../../etc/passwd',
     b'!!python/object:os.system', b'\xc3\x28',
 ]  # fmt: skip

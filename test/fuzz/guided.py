@@ -35,8 +35,8 @@ import atheris
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # tiny_model
 
 _INSTRUMENTED = [
-    'lsc_pose_ros.bags', 'lsc_pose_ros.messages', 'lsc_pose_ros.model_io',
-    'lsc_pose_ros.synthetic.mocap', 'mcap', 'rosbags', 'yaml', 'zipfile',
+    'lsc_pose_ros.bags', 'lsc_pose_ros.labels', 'lsc_pose_ros.messages', 'lsc_pose_ros.model_io',
+    'lsc_pose_ros.resources', 'lsc_pose_ros.synthetic.mocap', 'mcap', 'rosbags', 'yaml', 'zipfile',
 ]  # fmt: skip
 """The readers, which Atheris instruments."""
 

@@ -133,6 +133,6 @@ def test_bodies_on_no_mask_point_to_place_and_unit(tmp_path, capsys):
     table.write_text('\n'.join(rows))
     output = tmp_path / 'labelled.mcap'
     said = refused(capsys, recording, '-o', output, '--from', 'csv', '--source', table)
-    assert 'none of the 5 frames got a label: 5 bodies are not on any mask' in said
+    assert 'none of the 5 frames got a label: 5 whose bodies no mask shows' in said
     for remedy in ('--extrinsic', '/tf', '--scale'):
         assert remedy in said

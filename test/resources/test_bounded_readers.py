@@ -15,6 +15,7 @@
 
 """YAML and JSON files of strangers are refused before they take much time or memory."""
 
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -135,6 +136,17 @@ def test_no_more_than_the_largest_file_is_read(tmp_path: Path) -> None:
         read_yaml(path, 'text')
     with pytest.raises(InputError, match='has more than 1024 kB'):
         read_text(Path('/dev/zero'), 'text')
+
+
+def test_a_short_file_takes_little_memory(tmp_path: Path) -> None:
+    path = tmp_path / 'short.json'
+    path.write_text('[1]')
+    tracemalloc.start()
+    try:
+        assert read_json(path, 'table', 1 << 30) == [1]
+        assert tracemalloc.get_traced_memory()[1] < 10 << 20
+    finally:
+        tracemalloc.stop()
 
 
 def test_unreadable_files_are_named(tmp_path: Path) -> None:

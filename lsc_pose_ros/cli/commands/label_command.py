@@ -61,6 +61,9 @@ _NEED_SOURCE = (
     'correct_lag', 'mirror', 'drop',
 )  # fmt: skip
 
+# So begin the reasons that a time offset may remedy.
+_AT_OTHER_TIMES = ('before the', 'after the', 'in a gap')
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command to `parser`."""
@@ -207,14 +210,19 @@ def _check_labels(counts: LabelCounts, warnings: list[str]) -> None:
     """Raise InputError, so that nothing is written, if no frame is labelled."""
     if counts.labelled:
         return
-    reasons = '; '.join(warnings) or (
-        f'{counts.unmatched} bodies are not on any mask; check the place of the joints: '
-        '--extrinsic or /tf, and the unit: --scale'
-        if counts.unmatched
-        else 'no label has the time of a depth image (shift them with --time-offset)'
-    )
+    remedy = ''
+    if counts.unmatched:
+        remedy = '; check the place of the joints: --extrinsic or /tf, and the unit: --scale'
+    elif any(reason.startswith(_AT_OTHER_TIMES) for reason in counts.missing):
+        remedy = '; shift the labels with --time-offset'
+    reasons = '; '.join([f'{_missing(counts)}{remedy}', *warnings])
     msg = f'none of the {counts.frames} frames got a label: {reasons}'
     raise InputError(msg)
+
+
+def _missing(counts: LabelCounts) -> str:
+    """Return how many frames have no label for each reason, in words."""
+    return ', '.join(f'{count} {reason}' for reason, count in counts.missing.most_common())
 
 
 def _print(output: Path, counts: LabelCounts) -> None:
@@ -222,5 +230,8 @@ def _print(output: Path, counts: LabelCounts) -> None:
         f'{output}: {counts.frames} frames, {counts.labelled} of them labelled, '
         f'{counts.bodies} bodies'
     )
+    if counts.missing:
+        noun = 'frame' if counts.missing.total() == 1 else 'frames'
+        print(f'{counts.missing.total()} {noun} got no label: {_missing(counts)}')
     if counts.unmatched:
         print(f'{counts.unmatched} bodies were left out, because no mask shows them')

@@ -16,13 +16,15 @@
 """What `lsc_pose import` can read besides UTD-MHAD: arguments and writing of each."""
 
 import argparse
+import sys
+from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import NamedTuple
 
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.bags.topics import DEFAULT_TOPICS
-from lsc_pose_ros.cli.options.numbers import positive_float, positive_int
+from lsc_pose_ros.cli.options.numbers import SCALES, number_between, positive_int
 from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.datasets.image_folder import image_frames, open_image_folder
@@ -87,14 +89,14 @@ def _add_images(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         '--scale',
-        type=positive_float,
+        type=number_between(float, *SCALES),
         default=_MILLIMETRE,
         metavar='METRES',
         help='metres per unit of a pixel (default: %(default)s)',
     )
     parser.add_argument(
         '--fps',
-        type=positive_float,
+        type=number_between(float, 0.001, 100_000),
         default=30.0,
         metavar='RATE',
         help='images per second, if the names are not stamps (default: %(default)s)',
@@ -155,7 +157,12 @@ def _add_ntu(parser: argparse.ArgumentParser) -> None:
 
 def _write_ntu(arguments: argparse.Namespace, writer: RecordingWriter) -> str:
     sequences = find_sequences(arguments.directory, arguments.depth)
-    return f'{_write(import_ntu(sequences), writer)} of {len(sequences)} sequences'
+    left_out: Counter[str] = Counter()
+    words = f'{_write(import_ntu(sequences, left_out), writer)} of {len(sequences)} sequences'
+    if left_out:
+        listed = ', '.join(f'{what} ({count})' for what, count in left_out.items())
+        print(f'lsc_pose: warning: left out: {listed}', file=sys.stderr)
+    return words
 
 
 def _add_msr(parser: argparse.ArgumentParser) -> None:

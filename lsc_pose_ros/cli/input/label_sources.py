@@ -24,7 +24,8 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.extrinsic import WORLD, Extrinsic, load_extrinsic
 from lsc_pose_ros.labels.sources.bvh_file import bvh_tracks
 from lsc_pose_ros.labels.sources.c3d_file import c3d_tracks
-from lsc_pose_ros.labels.sources.keypoints import KeypointLabels, load_keypoints
+from lsc_pose_ros.labels.sources.keypoint_files import load_keypoints
+from lsc_pose_ros.labels.sources.keypoints import KeypointLabels
 from lsc_pose_ros.labels.sources.recorded_topics import (
     marker_samples,
     read_transform_history,

@@ -19,7 +19,7 @@ import argparse
 from pathlib import Path
 
 from lsc_pose_ros.cli.input.label_sources import SOURCES
-from lsc_pose_ros.cli.options.numbers import float_from_zero, positive_float
+from lsc_pose_ros.cli.options.numbers import SCALES, float_from_zero, number_between
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.output.label_check import add_limit_options
 from lsc_pose_ros.labels.checks.problems import KINDS
@@ -27,6 +27,9 @@ from lsc_pose_ros.labels.mirrored import MIRRORS
 
 # Half of what a camera of 10 Hz leaves between two images.
 _LONGEST_GAP = 0.1
+
+# More than 30 years, seconds: clocks that were never set are so far off.
+_LONGEST_TIME = 2e9
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:
@@ -67,20 +70,20 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
     )
     group.add_argument(
         '--scale',
-        type=positive_float,
+        type=number_between(float, *SCALES),
         metavar='METRES',
         help='metres per unit of a csv, bvh or c3d file (default: 1; for c3d what the file says)',
     )
     group.add_argument(
         '--time-offset',
-        type=float,
+        type=number_between(float, -_LONGEST_TIME, _LONGEST_TIME),
         default=0.0,
         metavar='SECONDS',
         help='is added to the times of the labels (default: %(default)s)',
     )
     group.add_argument(
         '--max-gap',
-        type=float_from_zero,
+        type=number_between(float, 0, _LONGEST_TIME),
         default=_LONGEST_GAP,
         metavar='SECONDS',
         help='labels are interpolated between two that are at most so far apart, and left out '

@@ -19,6 +19,9 @@ import argparse
 import math
 from collections.abc import Callable
 
+SCALES = (1e-9, 1e9)
+"""The smallest and the largest scale of a file, metres per unit."""
+
 
 def positive_int(word: str) -> int:
     """Return the whole number above 0 that `word` stands for.

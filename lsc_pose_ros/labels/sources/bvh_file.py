@@ -20,12 +20,11 @@ from pathlib import Path
 
 import numpy as np
 
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.labels.limits import check_positions, regular_stamps
 from lsc_pose_ros.labels.tracks import BodyTrack
 from lsc_pose_ros.labels.vocabulary import Vocabulary
 from lsc_pose_ros.synthetic.mocap.bvh import joint_poses, load_bvh
-
-_SECOND = 1_000_000_000
 
 
 def bvh_tracks(
@@ -41,7 +40,7 @@ def bvh_tracks(
         start: the stamp of their first frames, nanoseconds.
 
     Raises:
-        InputError: a file cannot be read, or has none of the joints.
+        InputError: a file cannot be read, has none of the joints, or has absurd numbers.
     """
     tracks = []
     for body, path in enumerate(paths, start=1):
@@ -49,14 +48,15 @@ def bvh_tracks(
         known = [name for name in vocabulary.names if name in bvh.names]
         if not known:
             msg = (
-                f'{path} has none of the joints {", ".join(vocabulary.names)}, but '
-                f'{", ".join(bvh.names)}; name the vocabulary with --joints'
+                f'{path} has none of the joints {vocabulary.listed}, but '
+                f'{excerpt(", ".join(bvh.names), 300)}; name the vocabulary with --joints'
             )
             raise InputError(msg)
+        stamps = regular_stamps(path, start, len(bvh.values), bvh.frame_time)
         positions = joint_poses(bvh).positions * scale
+        check_positions(path, positions)
         theirs = np.full((len(positions), len(vocabulary.names), 3), np.nan)
         for name in known:
             theirs[:, vocabulary.names.index(name)] = positions[:, bvh.names.index(name)]
-        moments = np.rint(np.arange(len(positions)) * bvh.frame_time * _SECOND).astype(np.int64)
-        tracks.append(BodyTrack(body, frame_id, start + moments, vocabulary.ours(theirs)))
+        tracks.append(BodyTrack(body, frame_id, stamps, vocabulary.ours(theirs)))
     return tracks

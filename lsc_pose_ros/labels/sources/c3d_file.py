@@ -22,11 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.labels.limits import check_positions, regular_stamps
 from lsc_pose_ros.labels.tracks import BodyTrack
 from lsc_pose_ros.labels.vocabulary import Vocabulary
 
-_SECOND = 1_000_000_000
 _METRES = {'m': 1.0, 'cm': 0.01, 'mm': 0.001}
 
 
@@ -49,9 +49,11 @@ def c3d_tracks(
     """
     labels, points, rate, unit = _read(path)
     if scale is None and unit not in _METRES:
-        msg = f'{path}: the unit {unit!r} is not known; give the metres per unit with --scale'
+        named = excerpt(repr(unit))
+        msg = f'{path}: the unit {named} is not known; give the metres per unit with --scale'
         raise InputError(msg)
     metres = points * (_METRES[unit] if scale is None else scale)
+    check_positions(path, metres)
     subjects: dict[str, dict[str, int]] = defaultdict(dict)
     for index, label in enumerate(labels):
         subject, _, name = label.rpartition(':')
@@ -59,11 +61,11 @@ def c3d_tracks(
             subjects[subject][name] = index
     if not subjects:
         msg = (
-            f'{path} has none of the points {", ".join(vocabulary.names)}, but '
-            f'{", ".join(labels[:30])}; name the vocabulary with --joints'
+            f'{path} has none of the points {vocabulary.listed}, but '
+            f'{excerpt(", ".join(labels), 300)}; name the vocabulary with --joints'
         )
         raise InputError(msg)
-    stamps = start + np.rint(np.arange(len(points)) * _SECOND / rate).astype(np.int64)
+    stamps = regular_stamps(path, start, len(points), 1 / rate)
     tracks = []
     for body, columns in enumerate(subjects.values(), start=1):
         theirs = np.full((len(points), len(vocabulary.names), 3), np.nan)
@@ -85,7 +87,9 @@ def _read(path: Path) -> tuple[list[str], Any, float, str]:
             warnings.simplefilter('ignore')  # of labels that the file does not fill
             reader = c3d.Reader(stream)
             labels = [label.strip() for label in reader.point_labels]
-            frames = [points for _, points, _ in reader.read_frames()]
+            # Frames without points take no bytes: a header could claim any number of them.
+            has_points = reader.point_used > 0
+            frames = [points for _, points, _ in reader.read_frames()] if has_points else []
             unit = reader.get('POINT:UNITS')
             unit_name = 'mm' if unit is None else unit.string_value.strip().lower()
             rate = float(reader.point_rate)
@@ -93,9 +97,9 @@ def _read(path: Path) -> tuple[list[str], Any, float, str]:
         msg = f'cannot read {path}: {error.strerror or error}'
         raise InputError(msg) from error
     except Exception as error:  # a damaged file raises exceptions of many types
-        msg = f'{path} cannot be read as a C3D file ({error}); export it again'
+        msg = f'{path} cannot be read as a C3D file ({excerpt(error)}); export it again'
         raise InputError(msg) from error
-    if not frames or not rate > 0:
+    if not frames or not 0 < rate < np.inf:
         msg = f'{path} has no frames of points; export it again'
         raise InputError(msg)
     values = np.array(frames, np.float64)

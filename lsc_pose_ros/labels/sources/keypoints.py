@@ -15,12 +15,7 @@
 
 """Labels from keypoints in the image, put behind the surface that the depth image shows."""
 
-import json
-import re
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +24,9 @@ from lsc_pose_ros.camera.projection import directions_of
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
-from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.labels.interpolation import STAMP_TOLERANCE, nearest
-from lsc_pose_ros.labels.sources.table_file import TableFormat, read_table
+from lsc_pose_ros.labels.sources.keypoint_files import LARGEST_PIXEL, Keypoints, KeypointsKey
 from lsc_pose_ros.labels.tracks import LabelSettings, skeletons_of
-from lsc_pose_ros.labels.vocabulary import Vocabulary
 
 # Medians over the joints that the camera sees, of 25 synthetic people of all ages in 100 frames.
 DEPTH_BEHIND_SURFACE: Mapping[str, float] = {
@@ -53,26 +46,12 @@ SURFACE_TO_JOINT = np.array(
 _RADIUS = 2
 _SURFACE_QUANTILE = 0.3
 
-_Key = tuple[str, int]
-
-
-class Keypoints(NamedTuple):
-    """The keypoints of one body in one image.
-
-    Attributes:
-        body: its number.
-        pixels: column and row of the vocabulary's joints, NaN if unknown, shape (S, 2).
-    """
-
-    body: int
-    pixels: NDArray[np.float64]
-
 
 class KeypointLabels:
     """Labels from the keypoints of each depth image."""
 
     def __init__(
-        self, keypoints: Mapping[_Key, Sequence[Keypoints]], settings: LabelSettings
+        self, keypoints: Mapping[KeypointsKey, Sequence[Keypoints]], settings: LabelSettings
     ) -> None:
         """Use `keypoints`, by ('stamp', nanoseconds) or ('frame', number)."""
         self._keypoints = keypoints
@@ -81,7 +60,7 @@ class KeypointLabels:
             sorted(value for kind, value in keypoints if kind == 'stamp'), np.int64
         )
         self._moments: list[int] = []
-        self._used: set[_Key] = set()
+        self._used: set[KeypointsKey] = set()
         self._without_depth = 0
 
     @property
@@ -112,7 +91,12 @@ class KeypointLabels:
         self._used.add(key)
         return skeletons_of({person.body: self._joints(person.pixels, frame) for person in people})
 
-    def _key(self, number: int, moment: int) -> _Key:
+    def why_none(self, number: int, frame: Frame) -> str:
+        """Return why a frame has no label; as `LabelSource.why_none`."""
+        key = self._key(number, frame.stamp - self._settings.time_offset)
+        return 'without depth near any keypoint' if key in self._keypoints else 'without keypoints'
+
+    def _key(self, number: int, moment: int) -> KeypointsKey:
         """Return that of the image with the nearest stamp, or else with the number."""
         place = nearest(self._stamps, moment)
         if place is not None and abs(int(self._stamps[place]) - moment) <= STAMP_TOLERANCE:
@@ -162,122 +146,3 @@ def surface_depth(pixel: NDArray[np.float64], depth: NDArray[np.float32]) -> flo
     around = depth[rows, columns]
     around = around[np.isfinite(around) & (around > 0)]
     return float(np.quantile(around, _SURFACE_QUANTILE)) if around.size else float('nan')
-
-
-LARGEST_PIXEL = 1e6
-
-
-def load_keypoints(
-    path: Path, vocabulary: Vocabulary, start: int, minimum_confidence: float
-) -> dict[_Key, list[Keypoints]]:
-    """Return the keypoints of a CSV or JSON file, or of a folder of OpenPose's JSON files.
-
-    Args:
-        path: the file or the folder.
-        vocabulary: the names or the order of the keypoints.
-        start: the stamp that the column `time` is relative to, nanoseconds.
-        minimum_confidence: keypoints with less are left out; 0 is never a keypoint in JSON.
-
-    Raises:
-        InputError: the file cannot be read, or has another form.
-    """
-    if path.is_dir():
-        return _openpose_folder(path, vocabulary, minimum_confidence)
-    if path.suffix.lower() == '.json':
-        return _coco_results(path, vocabulary, minimum_confidence)
-    return _table(path, vocabulary, start, minimum_confidence)
-
-
-def _table(
-    path: Path, vocabulary: Vocabulary, start: int, minimum_confidence: float
-) -> dict[_Key, list[Keypoints]]:
-    bodies: dict[_Key, dict[int, NDArray[np.float64]]] = defaultdict(dict)
-    form = TableFormat(vocabulary, ('u', 'v'), ('confidence',), start)
-    for row in read_table(path, form):
-        column, line, confidence = row.values
-        if confidence < minimum_confidence:
-            continue
-        key = ('stamp', row.stamp) if row.stamp is not None else ('frame', row.frame or 0)
-        pixels = bodies[key].setdefault(row.body, np.full((len(vocabulary.names), 2), np.nan))
-        pixels[row.joint] = column, line
-    return {
-        key: [Keypoints(body, pixels) for body, pixels in people.items()]
-        for key, people in bodies.items()
-    }
-
-
-def _openpose_folder(
-    folder: Path, vocabulary: Vocabulary, minimum_confidence: float
-) -> dict[_Key, list[Keypoints]]:
-    """Read NAME_NUMBER_keypoints.json; the number is that of the depth image."""
-    found: dict[_Key, list[Keypoints]] = {}
-    for path in sorted(folder.glob('*_keypoints.json')):
-        match = re.search(r'(\d+)_keypoints\.json$', path.name)
-        if match is None:
-            continue
-        people = _json(path)
-        people = people.get('people') if isinstance(people, dict) else None
-        if not isinstance(people, list):
-            msg = f'{path} has no list people; give the files that OpenPose writes'
-            raise InputError(msg)
-        found['frame', int(match.group(1))] = [
-            Keypoints(
-                number,
-                _triples(path, person.get('pose_keypoints_2d'), vocabulary, minimum_confidence),
-            )
-            for number, person in enumerate(people, start=1)
-        ]
-    if not found:
-        msg = f'{folder} has no file NAME_NUMBER_keypoints.json, as OpenPose writes them'
-        raise InputError(msg)
-    return found
-
-
-def _coco_results(
-    path: Path, vocabulary: Vocabulary, minimum_confidence: float
-) -> dict[_Key, list[Keypoints]]:
-    """Read a list of {image_id, keypoints}; the id is the number of the depth image, or stamp."""
-    people = _json(path)
-    if not isinstance(people, list) or not all(
-        isinstance(person, dict) and isinstance(person.get('image_id'), int) for person in people
-    ):
-        msg = f'{path} is no list of {{image_id: NUMBER, keypoints: [x, y, c, ...]}}'
-        raise InputError(msg)
-    found: dict[_Key, list[Keypoints]] = defaultdict(list)
-    for person in people:
-        kind = 'stamp' if person['image_id'] > _MOST_FRAMES else 'frame'
-        body = int(person.get('track_id', len(found[kind, person['image_id']]) + 1))
-        pixels = _triples(path, person.get('keypoints'), vocabulary, minimum_confidence)
-        found[kind, person['image_id']].append(Keypoints(body, pixels))
-    return dict(found)
-
-
-_MOST_FRAMES = 1_000_000_000_000
-
-
-def _json(path: Path) -> Any:  # noqa: ANN401 - anything that JSON holds
-    try:
-        return json.loads(path.read_text(encoding='utf-8'))
-    except OSError as error:
-        msg = f'cannot read {path}: {error.strerror or error}'
-        raise InputError(msg) from error
-    except ValueError as error:
-        msg = f'{path} is not valid JSON: {error}'
-        raise InputError(msg) from error
-
-
-def _triples(
-    path: Path, values: object, vocabulary: Vocabulary, minimum_confidence: float
-) -> NDArray[np.float64]:
-    """Return the pixels, shape (S, 2), in a list x, y, confidence, x, y, confidence, ..."""
-    count = len(vocabulary.names)
-    if not isinstance(values, list) or len(values) != 3 * count:
-        given = len(values) if isinstance(values, list) else 0
-        msg = (
-            f'{path}: a person has {given} numbers, but the {count} joints of the vocabulary '
-            f'{vocabulary.path.stem} have {3 * count}; name another with --joints'
-        )
-        raise InputError(msg)
-    triples = np.array(values, np.float64).reshape(count, 3)
-    unknown = (triples[:, 2] <= 0) | (triples[:, 2] < minimum_confidence)
-    return np.where(unknown[:, None], np.nan, triples[:, :2])

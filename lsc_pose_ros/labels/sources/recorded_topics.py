@@ -23,6 +23,7 @@ import numpy as np
 from lsc_pose_ros.bags import RecordingReader
 from lsc_pose_ros.bags.serialization.deserialize import DamagedMessageError, read_as
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.labels.limits import LARGEST_BODY
 from lsc_pose_ros.labels.tracks import JointSample
 from lsc_pose_ros.labels.transform_history import TransformHistory
 from lsc_pose_ros.labels.vocabulary import Vocabulary
@@ -64,7 +65,8 @@ def marker_samples(
         vocabulary: says how the markers are numbered.
 
     Raises:
-        InputError: there is no such topic, it is ambiguous, or its markers are lists of points.
+        InputError: there is no such topic, it is ambiguous, or its markers are lists of points or
+            have the numbers of no bodies.
     """
     topic = find_topic(recording, topic, MARKER_ARRAY)
     single = lists = 0
@@ -79,6 +81,13 @@ def marker_samples(
             else:
                 number = vocabulary.number_of(point.namespace)
                 body, joint, known = point.identifier, number or 0, number is not None
+            if known and not 0 <= body <= LARGEST_BODY:
+                msg = (
+                    f'{recording.path}: a marker of {topic} has the number {point.identifier}, '
+                    f'which is body {body}; bodies have numbers from 0 to {LARGEST_BODY}: name '
+                    'the vocabulary of these markers with --joints'
+                )
+                raise InputError(msg)
             if known:
                 yield JointSample(point.stamp, point.frame_id, body, joint, point.position)
     if lists and not single:

@@ -25,13 +25,12 @@ import numpy as np
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError, excerpt
-from lsc_pose_ros.labels.extrinsic import FARTHEST
+from lsc_pose_ros.labels.limits import FARTHEST, LARGEST_BODY
 from lsc_pose_ros.labels.tracks import LabelSettings, finished, skeletons_of
 from lsc_pose_ros.labels.transform_history import TransformHistory
 from lsc_pose_ros.labels.vocabulary import Vocabulary
 from lsc_pose_ros.resources.yaml_tables import read_yaml
 
-_LARGEST_BODY = 65535
 _MOST_BODIES = 1000
 
 # A warning names so many of the frames that are missing.
@@ -95,6 +94,10 @@ class FrameLabels:
                     theirs[index] = pose.apply(np.array(offset))
             found[body] = finished(vocabulary.ours(theirs), self._settings)
         return skeletons_of(found)
+
+    def why_none(self, number: int, frame: Frame) -> str:  # noqa: ARG002
+        """Return why a frame has no label; as `LabelSource.why_none`."""
+        return 'at whose time TF knows too few frames for a joint'
 
 
 def _listed(frames: Sequence[str]) -> str:
@@ -162,8 +165,8 @@ def _by_name(bodies: object, vocabulary: Vocabulary) -> dict[int, dict[int, Join
 
 
 def _body(value: object) -> int:
-    if type(value) is not int or not 0 <= value <= _LARGEST_BODY:
-        msg = f'{excerpt(repr(value))} is not a body number from 0 to {_LARGEST_BODY}'
+    if type(value) is not int or not 0 <= value <= LARGEST_BODY:
+        msg = f'{excerpt(repr(value))} is not a body number from 0 to {LARGEST_BODY}'
         raise ValueError(msg)
     return value
 
@@ -171,8 +174,7 @@ def _body(value: object) -> int:
 def _joint(name: str, vocabulary: Vocabulary) -> int:
     index = vocabulary.number_of(name)
     if index is None:
-        listed = excerpt(', '.join(vocabulary.names), 600)
-        msg = f'unknown joint {excerpt(name)}; the joints are {listed}'
+        msg = f'unknown joint {excerpt(name)}; the joints are {vocabulary.listed}'
         raise ValueError(msg)
     return index
 

@@ -27,13 +27,21 @@ from typing import NamedTuple, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.errors import InputError, excerpt
 from lsc_pose_ros.synthetic.geometry.rotations import axis_rotation
 
 END = '_end'
 """Suffix of the names of end sites, which the file does not name: `hand` has `hand_end`."""
 
 _AXES = 'XYZ'
+
+# Larger numbers are damage.
+_LARGEST = 1e9
+_MOST_JOINTS = 1000
+
+# Poses take 96 bytes each, but a joint without channels takes none in the frames of a file.
+_MOST_POSES = 20_000_000
+
 _CHANNELS = tuple(f'{axis}{kind}' for kind in ('position', 'rotation') for axis in _AXES)
 
 
@@ -72,6 +80,8 @@ def load_bvh(path: str | os.PathLike[str]) -> Bvh:
     joints = _read_hierarchy(reader)
     width = sum(len(joint.channels) for joint in joints)
     values, frame_time = _read_motion(reader, width)
+    if len(values) * len(joints) > _MOST_POSES:
+        reader.fail(f'{len(values)} frames of {len(joints)} joints are too many; split the file')
     return Bvh(
         tuple(joint.name for joint in joints),
         tuple(joint.parent for joint in joints),
@@ -166,11 +176,11 @@ class _LineReader:
         try:
             values = [float(word) for word in words]
         except ValueError as error:
-            self.fail(str(error))
+            self.fail(excerpt(error))
         if len(values) != count:
             self.fail(f'{len(values)} numbers found, but {count} are expected')
-        if not np.isfinite(values).all():
-            self.fail('a number is not finite')
+        if not (np.abs(values) <= _LARGEST).all():  # NaN, too
+            self.fail(f'a number is not finite, or beyond {_LARGEST:g}')
         return values
 
     def rest(self) -> Iterator[list[str]]:
@@ -190,6 +200,7 @@ class _LineReader:
 def _read_hierarchy(reader: _LineReader) -> list[_Joint]:
     reader.expect('HIERARCHY')
     joints = [_read_joint(reader, reader.expect('ROOT'), -1)]
+    names = {joints[0].name}
     open_joints = [0]
     while open_joints:
         words = reader.next('}')
@@ -203,8 +214,11 @@ def _read_hierarchy(reader: _LineReader) -> list[_Joint]:
             joint = _read_end(reader, joints[parent].name, parent)
         else:
             reader.fail(f'{" ".join(words)[:40]!r} is not one of JOINT, End Site and }}')
-        if any(joint.name == other.name for other in joints):
-            reader.fail(f'a second joint {joint.name}')
+        if joint.name in names:
+            reader.fail(f'a second joint {excerpt(joint.name)}')
+        if len(joints) == _MOST_JOINTS:
+            reader.fail(f'more than {_MOST_JOINTS} joints')
+        names.add(joint.name)
         if words[0] == 'JOINT':
             open_joints.append(len(joints))
         joints.append(joint)
@@ -218,10 +232,12 @@ def _read_joint(reader: _LineReader, name: list[str], parent: int) -> _Joint:
     offset = reader.numbers(reader.expect('OFFSET'), 3)
     count, *channels = reader.expect('CHANNELS') or ['']
     if count != str(len(channels)):
-        reader.fail(f'{len(channels)} channels found, but {count or "their number"} is expected')
+        reader.fail(
+            f'{len(channels)} channels found, but {excerpt(count) or "their number"} is expected'
+        )
     unknown = [channel for channel in channels if channel not in _CHANNELS]
     if unknown:
-        reader.fail(f'unknown channel {unknown[0]}')
+        reader.fail(f'unknown channel {excerpt(unknown[0])}')
     return _Joint(' '.join(name), parent, offset, tuple(channels))
 
 
