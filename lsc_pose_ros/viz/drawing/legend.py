@@ -52,12 +52,24 @@ def ring_entry(label: str) -> Line2D:
 
 
 def add_legend_entries(figure: Figure, entries: Sequence[Artist], lines: int = 1) -> None:
-    """Add `entries` below the axes of `figure`, in as many lines as `lines`."""
-    figure.legend(
-        handles=entries, loc='lower center', ncol=-(-len(entries) // lines), handletextpad=0.6,
-        columnspacing=1.5, borderaxespad=0.2,
-    )  # fmt: skip
-    fraction = lines * LEGEND_HEIGHT / figure.get_figheight()
+    """Add `entries` below the axes of `figure`.
+
+    Args:
+        figure: the figure; its height includes that of `lines` lines.
+        entries: the entries.
+        lines: how many lines they take. If their width needs more, the figure becomes higher.
+    """
+    for needed in range(lines, max(lines, len(entries)) + 1):
+        legend = figure.legend(
+            handles=entries, loc='lower center', ncol=-(-len(entries) // needed),
+            handletextpad=0.6, columnspacing=1.5, borderaxespad=0.2,
+        )  # fmt: skip
+        if needed >= len(entries) or legend.get_window_extent().width <= figure.bbox.width:
+            break
+        legend.remove()
+    height = figure.get_figheight() + (needed - lines) * LEGEND_HEIGHT
+    figure.set_figheight(height)
+    fraction = needed * LEGEND_HEIGHT / height
     engine = figure.get_layout_engine()
     if isinstance(engine, ConstrainedLayoutEngine):
         engine.set(rect=(0, fraction, 1, 1 - fraction))

@@ -79,6 +79,20 @@ def test_each_frame_has_a_panel(
     assert sum(bool(axes.get_title()) for axes in figure.axes) == frames
 
 
+@pytest.mark.parametrize('frames', [1, 2, 3, 4, 8])
+def test_whole_legend_is_within_the_sheet(drawn: list[DrawnFrame], frames: int) -> None:
+    figure = contact_sheet([drawn[number % 3] for number in range(frames)], 'a title')
+    png_bytes(figure)
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "person's left", "person's right", 'middle', 'ground truth', 'silhouette'
+    ]  # fmt: skip
+    box = legend.get_window_extent()
+    assert 0 <= box.x0 < box.x1 <= figure.bbox.width
+    lowest = min(axes.get_window_extent().y0 for axes in figure.axes)
+    assert 0 <= box.y0 < box.y1 <= lowest
+
+
 def test_frame_without_bodies_is_drawn_whole(drawn: list[DrawnFrame]) -> None:
     frame = drawn[0].frame
     empty = frame._replace(labels=np.full_like(frame.labels, NO_BODY), ground_truth=None)
