@@ -18,7 +18,7 @@
 import sqlite3
 import tempfile
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -181,9 +181,18 @@ def read_bag_with(metadata: bytes) -> None:
     """Read a bag folder with this metadata.yaml."""
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder, 'bag')
-        recording(bag)
+        bag.mkdir()
+        (bag / 'bag.mcap').write_bytes(_recording_bytes())
         (bag / 'metadata.yaml').write_bytes(metadata)
-        read_recording(bag)
+        reader = read_messages(bag)
+        assert sum(1 for _ in reader) == len(list(read_messages(bag / 'bag.mcap')))
+        assert len(str(reader.warnings)) < 10_000
+        sorted(reader.topics)
+
+
+@cache
+def _recording_bytes() -> bytes:
+    return written('k.mcap', recording)
 
 
 def bag_metadata() -> bytes:
@@ -197,6 +206,15 @@ def aliased_metadata() -> bytes:
     """Return a metadata.yaml whose aliases stand for 2^30 letters."""
     lists = ['&a0 [z, z]', *(f'&a{n} [*a{n - 1}, *a{n - 1}]' for n in range(1, 30))]
     return bag_metadata().replace(b'version: 9', f'version: [{", ".join(lists)}]'.encode())
+
+
+SHORT_METADATA = b"""rosbag2_bagfile_information:
+  version: 9
+  relative_file_paths: [bag.mcap, bag/b.mcap.zstd]
+  topics_with_message_count:
+    - topic_metadata: {name: /mask, type: sensor_msgs/msg/Image, offered_qos_profiles: "a: 1"}
+      message_count: 3
+"""
 
 
 def read_any_message(data: bytes) -> None:
@@ -335,7 +353,7 @@ def targets() -> dict[str, Target]:
         'sqlite': Target(
             [written('k.db3', sqlite_recording)], through_file('k.db3', read_recording)
         ),
-        'metadata': Target([bag_metadata(), aliased_metadata()], read_bag_with),
+        'metadata': Target([bag_metadata(), aliased_metadata(), SHORT_METADATA], read_bag_with),
         'bvh': Target([BVH], through_file('k.bvh', lambda path: joint_poses(load_bvh(path)))),
         'mapping': Target(
             [resource('config', 'mocap', 'cmu.yaml').read_bytes()],

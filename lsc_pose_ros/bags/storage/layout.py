@@ -165,7 +165,7 @@ def _topics_beside(path: Path) -> dict[str, TopicSummary] | None:
 def _part_paths(folder: Path, names: Sequence[str], warnings: list[str]) -> list[Path]:
     """Return the files in the order of the metadata, then the others by their numbers."""
     # The suffix .zstd is missing if the recorder was killed during compression.
-    listed = [_with_compression(folder / name) for name in names]
+    listed = list(dict.fromkeys(_with_compression(folder / name) for name in names))
     found = [path for path in folder.iterdir() if _PART_NAME.search(path.name)]
     found.sort(key=lambda path: [*map(int, re.findall(r'\d+', path.name)), 0])
     others = [path for path in found if path not in listed]

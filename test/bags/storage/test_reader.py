@@ -262,6 +262,13 @@ def test_names_that_no_file_can_have_are_left_out(tmp_path, messages):
     assert list(read_messages(folder)) == messages
 
 
+def test_file_that_is_listed_twice_is_read_once(tmp_path, messages):
+    folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
+    names = '[bag_0.mcap, bag/bag_0.mcap, bag_1.mcap, bag_0.mcap]'
+    (folder / 'metadata.yaml').write_text(f'{BEGIN}relative_file_paths: {names}')
+    assert list(read_messages(folder)) == messages
+
+
 def test_many_missing_files_have_few_warnings(tmp_path, messages):
     folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
     names = ', '.join(f'gone_{number}.mcap' for number in range(1000))
