@@ -31,7 +31,7 @@ from lsc_pose_ros.cli.options.completion import complete, typed_words
 from lsc_pose_ros.cli.options.settings_file import use_settings_file
 from lsc_pose_ros.cli.program import INTERRUPTED, let_interrupt
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.files.output_file import STANDARD_OUTPUT
+from lsc_pose_ros.files.output_place import STANDARD_OUTPUT
 
 PROGRAM = 'lsc_pose'
 DEBUG_VARIABLE = 'LSC_POSE_DEBUG'

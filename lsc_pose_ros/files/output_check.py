@@ -16,6 +16,7 @@
 """Checks the outputs of a program before it begins to work."""
 
 import os
+import stat
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from pathlib import Path
@@ -23,7 +24,7 @@ from typing import NamedTuple
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import Kind
-from lsc_pose_ros.files.output_file import check_output, is_written_through
+from lsc_pose_ros.files.output_place import check_output, is_written_through
 
 
 class Output(NamedTuple):
@@ -57,7 +58,7 @@ def check_outputs(outputs: Sequence[Output], inputs: Iterable[Path]) -> None:
 
 
 def _refuse_input(output: Path, inputs: Sequence[Path]) -> None:
-    if not output.exists():
+    if _mode(output) is None:
         return
     for given in inputs:
         for file in _files_of(given):
@@ -70,9 +71,17 @@ def _refuse_input(output: Path, inputs: Sequence[Path]) -> None:
 def _files_of(given: Path) -> Iterator[Path]:
     """Yield the input itself, and for a folder all files below it."""
     yield given
-    if given.is_dir():
+    if stat.S_ISDIR(_mode(given) or 0):
         for folder, _, names in os.walk(given):
             yield from (Path(folder, name) for name in names)
+
+
+def _mode(path: Path) -> int | None:
+    """Return the kind and rights of a file, None if it does not exist or cannot."""
+    try:
+        return path.stat().st_mode
+    except OSError:
+        return None
 
 
 def _is_same(one: Path, other: Path) -> bool:

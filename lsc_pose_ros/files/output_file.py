@@ -21,32 +21,24 @@
 - A file of another kind is never replaced.
 """
 
-import atexit
 import os
-import re
-import secrets
-import shutil
 import stat
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO, cast
+from typing import BinaryIO
 
-from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import Kind
-
-STANDARD_OUTPUT = '-'
-"""The name of standard output as an output."""
-
-_DESCRIPTOR = re.compile(r'/(?:dev|proc/self)/fd/(\d+)')
-_NAMED_DESCRIPTORS = {STANDARD_OUTPUT: 1, '/dev/stdout': 1, '/dev/stderr': 2}
-
-_LONGEST_STEM = 200
-"""How much of a name is kept in that of the unfinished file, characters; systems allow 255."""
-
-_unfinished: dict[Path, int] = {}
-"""The unfinished files and folders, and the processes that write them."""
+from lsc_pose_ros.files.output_place import (
+    check_new_folder,
+    check_output,
+    descriptor_of,
+    is_written_through,
+    writing,
+)
+from lsc_pose_ros.files.partial_files import partial_name, put_in_place, remove_partial
+from lsc_pose_ros.files.sequential_stream import SequentialStream
 
 
 class OutputFile:
@@ -101,11 +93,11 @@ class OutputFile:
             self._discard()
 
     def _open(self) -> BinaryIO:
-        descriptor = _descriptor(self._path)
+        descriptor = descriptor_of(self._path)
         if descriptor is not None:
-            return cast('BinaryIO', _Sequential(os.dup(descriptor)))
+            return SequentialStream(os.dup(descriptor))
         if is_written_through(self._path):
-            return cast('BinaryIO', _Sequential(os.open(self._path, os.O_WRONLY)))
+            return SequentialStream(os.open(self._path, os.O_WRONLY))
         target = Path(os.path.realpath(self._path))
         self._partial = partial_name(target)
         stream = self._partial.open('xb')
@@ -147,10 +139,7 @@ class OutputFolder:
         Raises:
             InputError: the folder around it does not exist, or `path` exists.
         """
-        _check_folder(path)
-        if path.exists():
-            msg = f'{path} exists already; remove it or choose another name'
-            raise InputError(msg)
+        check_new_folder(path)
         self._path = path
         self._partial: Path | None = None
 
@@ -190,31 +179,6 @@ class OutputFolder:
             remove_partial(self._partial)
 
 
-class _Sequential:
-    """A stream that can only be written, one byte after the other, and knows its position."""
-
-    def __init__(self, descriptor: int) -> None:
-        self._file = os.fdopen(descriptor, 'wb')
-        self._position = 0
-
-    def write(self, data: bytes) -> int:
-        """Write `data`; return its size."""
-        self._position += self._file.write(data)
-        return memoryview(data).nbytes
-
-    def tell(self) -> int:
-        """Return the number of bytes that are written."""
-        return self._position
-
-    def flush(self) -> None:
-        """Write what is buffered."""
-        self._file.flush()
-
-    def close(self) -> None:
-        """Write what is buffered, and close the stream."""
-        self._file.close()
-
-
 def write_output(path: Path, kind: Kind, write: bytes | Callable[[BinaryIO], object]) -> int:
     """Write a file: the bytes `write`, or what the function `write` writes to a stream.
 
@@ -230,128 +194,3 @@ def write_output(path: Path, kind: Kind, write: bytes | Callable[[BinaryIO], obj
         else:
             stream.write(write)
         return stream.tell()
-
-
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
-    """Turn errors of the system into one of `path`.
-
-    Raises:
-        InputError: `path` cannot be written.
-        BrokenPipeError: nobody reads the pipe any more.
-    """
-    try:
-        yield
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        msg = f'{path}: cannot be written: {error.strerror or error}'
-        raise InputError(msg) from error
-
-
-def check_output(path: Path, kind: Kind) -> None:
-    """Check that a file of `kind` may be written to `path`.
-
-    Raises:
-        InputError: the folder does not exist, or something of another kind is in the way.
-    """
-    if _descriptor(path) is not None:
-        return
-    with writing(path):
-        if not path.exists():
-            _check_folder(path)
-            return
-        state = path.stat()
-    if stat.S_ISDIR(state.st_mode):
-        msg = f'{path} is a folder; choose another name'
-        raise InputError(msg)
-    if stat.S_ISREG(state.st_mode) and state.st_size:
-        _check_existing(path, kind)
-
-
-def _check_folder(path: Path) -> None:
-    folder = Path(os.path.realpath(path)).parent
-    if not folder.is_dir():
-        msg = f'{path}: the folder {folder} does not exist; create it first'
-        raise InputError(msg)
-
-
-def _check_existing(path: Path, kind: Kind) -> None:
-    """Check that the file `path` is of `kind` and may be replaced."""
-    if not os.access(path, os.W_OK):
-        msg = f'{path}: cannot be written: the file is write-protected; choose another name'
-        raise InputError(msg)
-    try:
-        with path.open('rb') as stream:
-            fits = kind.fits(stream)
-    except Exception:  # noqa: BLE001 - a file of another kind can raise almost anything
-        fits = False
-    if not fits:
-        msg = (
-            f'{path} exists and is not {kind.name}, so it is not replaced; '
-            'remove it or choose another name'
-        )
-        raise InputError(msg)
-
-
-def is_written_through(path: Path) -> bool:
-    """Return whether `path` is written to, not replaced: a device, a pipe, or `-`."""
-    if _descriptor(path) is not None:
-        return True
-    try:
-        mode = path.stat().st_mode
-    except OSError:
-        return False
-    return not stat.S_ISREG(mode) and not stat.S_ISDIR(mode)
-
-
-def _descriptor(path: Path) -> int | None:
-    """Return the number of the descriptor of this process that `path` names, None for others."""
-    found = _DESCRIPTOR.fullmatch(str(path))
-    return int(found[1]) if found else _NAMED_DESCRIPTORS.get(str(path))
-
-
-def partial_name(target: Path) -> Path:
-    """Return a new name beside `target`, which is removed if the program ends before it is placed.
-
-    The random part keeps apart the writers of one file, even those of one process.
-    """
-    stem = target.name[:_LONGEST_STEM]
-    path = target.with_name(f'.{stem}.{os.getpid()}.{secrets.token_hex(4)}.part')
-    _unfinished[path] = os.getpid()
-    return path
-
-
-def put_in_place(partial: Path, target: Path) -> None:
-    """Rename a finished file or folder to `target`, and record that on the disk.
-
-    Raises:
-        OSError: it is impossible.
-    """
-    partial.replace(target)
-    _unfinished.pop(partial, None)
-    # Some file systems cannot flush a folder, and the file is complete anyway.
-    with suppress(OSError):
-        folder = os.open(target.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
-
-
-def remove_partial(partial: Path) -> None:
-    """Remove an unfinished file or folder if there is one."""
-    if partial.is_dir():
-        shutil.rmtree(partial, ignore_errors=True)
-    else:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)
-    _unfinished.pop(partial, None)
-
-
-@atexit.register
-def _remove_unfinished() -> None:
-    """Remove what Ctrl-C during the cleaning up has left."""
-    for path, process in list(_unfinished.items()):
-        if process == os.getpid():
-            remove_partial(path)

@@ -15,6 +15,7 @@
 
 """A file appears whole, or what was there before stays."""
 
+import io
 import os
 import resource
 import signal
@@ -24,11 +25,13 @@ import sys
 import threading
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import HTML, JSON, PNG, TEXT, archive
-from lsc_pose_ros.files.output_file import OutputFile, OutputFolder, check_output, write_output
+from lsc_pose_ros.files.output_file import OutputFile, OutputFolder, write_output
+from lsc_pose_ros.files.output_place import check_folder_of_outputs, check_output
 
 MANY = 4 << 20
 
@@ -167,6 +170,81 @@ def test_standard_output(tmp_path, capfd, monkeypatch, name):
     assert only(tmp_path) == []
 
 
+@pytest.fixture
+def arrays():
+    return {'a': np.arange(1000), 'b': np.ones((3, 4), np.float32)}
+
+
+@pytest.mark.parametrize('save', [np.savez, np.savez_compressed])
+def test_archive_on_standard_output_can_be_read(capfdbinary, arrays, save):
+    size = write_output(Path('-'), TEXT, lambda stream: save(stream, **arrays))
+    written = capfdbinary.readouterr().out
+    assert len(written) == size
+    with np.load(io.BytesIO(written)) as stored:
+        for name, array in arrays.items():
+            np.testing.assert_array_equal(stored[name], array)
+
+
+@pytest.mark.parametrize('save', [np.savez, np.savez_compressed])
+def test_archive_through_a_pipe_can_be_read(tmp_path, arrays, save):
+    path = tmp_path / 'pipe'
+    os.mkfifo(path)
+    read: list[bytes] = []
+    reader = threading.Thread(target=lambda: read.append(path.read_bytes()))
+    reader.start()
+    write_output(path, TEXT, lambda stream: save(stream, **arrays))
+    reader.join()
+    with np.load(io.BytesIO(read[0])) as stored:
+        assert set(stored) == set(arrays)
+
+
+def test_archive_to_a_device(arrays):
+    assert write_output(Path('/dev/null'), TEXT, lambda stream: np.savez(stream, **arrays)) > 0
+
+
+@pytest.mark.parametrize('name', ['-', '/dev/stdout', '/dev/fd/1'])
+def test_file_behind_standard_output_is_appended_to(tmp_path, name):
+    """What the shell has opened with >> is not sought, whatever the writer does."""
+    shown = tmp_path / 'shown'
+    shown.write_bytes(b'before ')
+    ended = subprocess.run(
+        ['/bin/sh', '-c', f'{sys.executable} -c "$0" "$1" >> "$2"', _SEEKING, name, str(shown)],
+        check=False,
+    )
+    assert ended.returncode == 0
+    assert shown.read_bytes() == b'before {}'
+
+
+_SEEKING = """
+import sys
+from contextlib import suppress
+from pathlib import Path
+from lsc_pose_ros.files.kinds import JSON
+from lsc_pose_ros.files.output_file import OutputFile
+with OutputFile(Path(sys.argv[1]), JSON) as stream:
+    stream.write(b'{')
+    assert not stream.seekable()
+    for change in (lambda: stream.seek(0), lambda: stream.truncate(0)):
+        with suppress(OSError):
+            change()
+            raise AssertionError
+    assert stream.tell() == 1
+    stream.write(b'}')
+"""
+
+
+@pytest.mark.parametrize('name', ['/dev/fd/{}', '/proc/self/fd/{}'])
+def test_descriptor_that_is_closed_or_only_read_is_refused_before_the_work(tmp_path, name):
+    (tmp_path / 'read').touch()
+    words = 'is closed; name a file instead'
+    with (tmp_path / 'read').open('rb') as stream, pytest.raises(InputError, match=words):
+        check_output(Path(name.format(stream.fileno())), JSON)
+    with pytest.raises(InputError, match=words):
+        check_output(Path(name.format(10**6)), JSON)
+    with pytest.raises(InputError, match=words):
+        check_output(Path(name.format('9' * 30)), JSON)
+
+
 def test_error_while_it_is_written_keeps_the_old_file(tmp_path):
     path = tmp_path / 'a.json'
     path.write_bytes(b'{"old": 1}')
@@ -259,15 +337,58 @@ def test_write_protected_file_is_not_replaced(tmp_path, monkeypatch):
     assert path.read_bytes() == b'{"old": 1}'
 
 
-def test_long_name(tmp_path):
-    path = tmp_path / ('a' * 250 + '.json')
-    write_output(path, JSON, b'{}')
-    assert path.read_bytes() == b'{}'
+@pytest.mark.parametrize('name', ['a' * 250 + '.json', 'ü' * 127 + 'a', '\U0001f600' * 63 + 'abc'])
+def test_longest_name(tmp_path, name):
+    """255 bytes, whatever the characters; a name of so many is legal."""
+    path = tmp_path / name
+    assert len(os.fsencode(name)) == 255
+    for text in (b'{}', b'{"new": 1}'):
+        write_output(path, JSON, text)
+        assert path.read_bytes() == text
+    with OutputFolder(tmp_path / ('b' + name[1:])) as folder:
+        (folder / 'file').touch()
+    assert len(only(tmp_path)) == 2
 
 
-def test_name_that_is_too_long_is_reported(tmp_path):
+def test_name_that_is_too_long_is_refused_before_the_work(tmp_path):
+    for path in (tmp_path / ('a' * 300), tmp_path / ('ü' * 128), tmp_path / ('a/' * 3000)):
+        with pytest.raises(InputError, match='File name too long'):
+            check_output(path, JSON)
+        with pytest.raises(InputError, match='File name too long'):
+            OutputFolder(path)
+        with pytest.raises(InputError, match='File name too long'):
+            check_folder_of_outputs(path)
     with pytest.raises(InputError, match='File name too long'):
-        write_output(tmp_path / ('a' * 300), JSON, b'{}')
+        check_folder_of_outputs(tmp_path / 'missing' / ('a' * 300))
+
+
+def test_folder_that_cannot_be_written_is_refused_before_the_work(tmp_path, monkeypatch):
+    (tmp_path / 'old.json').write_bytes(b'{}')
+    tmp_path.chmod(0o555)
+    if os.access(tmp_path, os.W_OK):  # the super-user may write everything
+        allowed = os.access
+        monkeypatch.setattr(
+            os, 'access', lambda path, mode: path != tmp_path and allowed(path, mode)
+        )
+    words = 'the folder .* cannot be written'
+    for name in ('new.json', 'old.json'):
+        with pytest.raises(InputError, match=words):
+            check_output(tmp_path / name, JSON)
+    with pytest.raises(InputError, match=words):
+        OutputFolder(tmp_path / 'bag')
+    for path in (tmp_path, tmp_path / 'report', tmp_path / 'many' / 'folders'):
+        with pytest.raises(InputError, match=words):
+            check_folder_of_outputs(path)
+    tmp_path.chmod(0o755)
+
+
+def test_folder_of_outputs_may_exist_or_be_made(tmp_path):
+    (tmp_path / 'file').touch()
+    check_folder_of_outputs(tmp_path)
+    check_folder_of_outputs(tmp_path / 'many' / 'folders')
+    for path in (tmp_path / 'file', tmp_path / 'file' / 'report'):
+        with pytest.raises(InputError, match='file is no folder'):
+            check_folder_of_outputs(path)
 
 
 @pytest.mark.parametrize(

@@ -43,14 +43,9 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import TEXT, begins_with
-from lsc_pose_ros.files.output_file import (
-    OutputFile,
-    OutputFolder,
-    check_output,
-    is_written_through,
-    write_output,
-    writing,
-)
+from lsc_pose_ros.files.output_file import OutputFile, OutputFolder, write_output
+from lsc_pose_ros.files.output_place import check_output, is_written_through, writing
+from lsc_pose_ros.files.sibling_names import sibling
 from lsc_pose_ros.messages.markers import MarkerShape
 from lsc_pose_ros.messages.type_names import CAMERA_INFO, IMAGE, MARKER_ARRAY, POINT_CLOUD
 
@@ -83,7 +78,9 @@ class RecordingWriter:
         self._path = Path(path)
         self._folder = not self._path.suffix and not is_written_through(self._path)
         self._check_path()
-        self._file_name = f'{self._path.name}_0{_SUFFIX}' if self._folder else self._path.name
+        self._file_name = self._path.name
+        if self._folder:
+            self._file_name = sibling(self._path, f'_0{_SUFFIX}').name
         self._bag: Path | None = None
         self._opened = ExitStack()
         self._channels: dict[str, _Channel] = {}

@@ -39,7 +39,7 @@ from lsc_pose_ros.cli.output.progress import progress
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.output_check import Output, check_outputs
-from lsc_pose_ros.files.output_file import is_written_through
+from lsc_pose_ros.files.output_place import is_written_through
 from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator

@@ -30,7 +30,7 @@ from lsc_pose_ros.datasets.utd_mhad import (
     select_sequences,
 )
 from lsc_pose_ros.files.output_check import Output, check_outputs
-from lsc_pose_ros.files.output_file import is_written_through
+from lsc_pose_ros.files.output_place import is_written_through
 from lsc_pose_ros.labels.checks.problems import LabelLimits
 
 HELP = 'convert a public data set, images or a ROS 1 bag into a recording'

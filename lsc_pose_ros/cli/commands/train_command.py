@@ -45,7 +45,7 @@ from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import JSON
 from lsc_pose_ros.files.output_check import Output, check_outputs
-from lsc_pose_ros.files.output_file import is_written_through
+from lsc_pose_ros.files.output_place import is_written_through
 from lsc_pose_ros.model_io.model_file import MODEL, save_model
 from lsc_pose_ros.pose.model import Model
 from lsc_pose_ros.training.calibration import calibrate

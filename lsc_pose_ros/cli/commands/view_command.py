@@ -36,7 +36,7 @@ from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import PNG
 from lsc_pose_ros.files.output_check import Output, check_outputs
-from lsc_pose_ros.files.output_file import is_written_through
+from lsc_pose_ros.files.output_place import is_written_through
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.pose.settings import Settings
