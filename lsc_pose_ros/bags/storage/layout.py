@@ -17,8 +17,6 @@
 
 import io
 import re
-import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -31,12 +29,15 @@ from lsc_pose_ros.bags.storage.piecewise_stream import PiecewiseStream
 from lsc_pose_ros.bags.storage.recorded_metadata import METADATA_NAME, read_metadata
 from lsc_pose_ros.bags.storage.serialized_messages import TopicSummary
 from lsc_pose_ros.errors import InputError, excerpt
+from lsc_pose_ros.files.output_place import writing
+from lsc_pose_ros.files.temporary import temporary_folder
 
 MCAP_MAGIC = b'\x89MCAP0\r\n'
 SQLITE_MAGIC = b'SQLite format 3\0'
 ZSTD_MAGIC = b'\x28\xb5\x2f\xfd'
 _ROS1_MAGIC = b'#ROSBAG V'
 _LONGEST_MAGIC = 16
+_PIECE = 1 << 16
 
 _PART_NAME = re.compile(r'\.(mcap|db3)(\.zstd)?$')
 
@@ -143,16 +144,23 @@ def plain_copy(part: Part, name: str) -> Iterator[Path]:
     Args:
         part: the file.
         name: the name of the copy.
+
+    Raises:
+        InputError: the temporary folder cannot be written, or is full.
     """
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / name
-        with (
-            suppress(*DAMAGE),
-            open_part(part.path, compressed=part.compressed) as source,
-            path.open('wb') as target,
-        ):
-            shutil.copyfileobj(source, target)
+    with temporary_folder() as folder:
+        path = folder / name
+        with writing(path), path.open('wb') as target:
+            for piece in _pieces(part):
+                target.write(piece)
         yield path
+
+
+def _pieces(part: Part) -> Iterator[bytes]:
+    """Yield the content of a file, up to a damage."""
+    with suppress(*DAMAGE), open_part(part.path, compressed=part.compressed) as source:
+        while piece := source.read(_PIECE):
+            yield piece
 
 
 def _topics_beside(path: Path) -> dict[str, TopicSummary] | None:
