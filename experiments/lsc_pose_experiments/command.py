@@ -37,7 +37,7 @@ from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import HTML, JSON
-from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_check import Output, check_outputs, outputs_in
 from lsc_pose_ros.training.train import GIBIBYTE
 from lsc_pose_ros.viz.drawing.canvas import make_directory
 from lsc_pose_ros.viz.report.page_parts import origin_of
@@ -136,9 +136,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(msg)
     defaults, selection = _defaults(arguments), _selection(arguments)
     folds_of(selection)
+    _check_outputs(arguments)
     readers = _open(arguments)
     experiments = {name: make(defaults) for name, make in EXPERIMENTS.items()}
-    _check_outputs(arguments)
     make_directory(arguments.output)
 
     def read(path: Path) -> Iterator[Frame]:
@@ -168,8 +168,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _check_outputs(arguments: argparse.Namespace) -> None:
-    page = arguments.output / PAGE_NAME
-    outputs = [Output(page, HTML)] if arguments.output.exists() else []
+    outputs = outputs_in(arguments.output, {PAGE_NAME: HTML})
     if arguments.json:
         outputs.append(Output(arguments.json, JSON))
     check_outputs(outputs, [*arguments.recordings, *arguments.test])

@@ -23,6 +23,7 @@ import sys
 import traceback
 from collections.abc import Sequence
 from contextlib import nullcontext, redirect_stdout, suppress
+from pathlib import Path
 from typing import NamedTuple, Protocol, cast
 
 from lsc_pose_ros import __version__
@@ -30,8 +31,9 @@ from lsc_pose_ros.cli.options.camera_preset import use_camera_preset
 from lsc_pose_ros.cli.options.completion import complete, typed_words
 from lsc_pose_ros.cli.options.settings_file import use_settings_file
 from lsc_pose_ros.cli.program import INTERRUPTED, let_interrupt
+from lsc_pose_ros.cli.standard_streams import silence_stdout
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.files.output_place import STANDARD_OUTPUT
+from lsc_pose_ros.files.output_place import STANDARD_OUTPUT, names_standard_output, writing
 
 PROGRAM = 'lsc_pose'
 DEBUG_VARIABLE = 'LSC_POSE_DEBUG'
@@ -123,15 +125,30 @@ def main(words: Sequence[str] | None = None) -> int:
     """
     try:
         status = _run(list(sys.argv[1:] if words is None else words))
-        sys.stdout.flush()
+        _flush()
     except KeyboardInterrupt:
         return _report_interrupt()
     except BrokenPipeError:
-        _silence_stdout()
+        silence_stdout()
         return PIPE_CLOSED
     except Exception as error:  # noqa: BLE001 - the last resort: a line instead of a traceback
         return _report(error)
     return status
+
+
+def _flush() -> None:
+    """Write what was printed.
+
+    Raises:
+        InputError: standard output cannot be written, for example because a disk is full.
+        BrokenPipeError: nobody reads it any more.
+    """
+    try:
+        with writing(Path(STANDARD_OUTPUT)):
+            sys.stdout.flush()
+    except InputError:
+        silence_stdout()
+        raise
 
 
 def _run(words: list[str]) -> int:
@@ -156,7 +173,9 @@ def _run(words: list[str]) -> int:
     _set_verbosity(arguments)
     let_interrupt()
     # What a command prints must not be mixed with an output that goes to standard output.
-    with redirect_stdout(sys.stderr) if STANDARD_OUTPUT in words else nullcontext():
+    outputs = [each for each in vars(arguments).values() if isinstance(each, Path)]
+    is_occupied = any(names_standard_output(path) for path in outputs)
+    with redirect_stdout(sys.stderr) if is_occupied else nullcontext():
         return module.run(arguments)
 
 
@@ -215,6 +234,9 @@ def _report(error: Exception) -> int:
         return BAD_INPUT
     if os.environ.get(DEBUG_VARIABLE):
         traceback.print_exception(error)
+    if isinstance(error, OSError) and error.filename and error.strerror:
+        _complain(f'{error.filename}: {error.strerror}')
+        return BAD_INPUT
     _complain(f'{type(error).__name__}: {error}')
     return FAILURE
 
@@ -238,8 +260,3 @@ def _complain(message: str) -> None:
     """Print `message` on stderr as one line, without its line breaks."""
     with suppress(BrokenPipeError):  # nobody reads it, which does not change the status
         print(f'{PROGRAM}: error: {" ".join(message.split())}', file=sys.stderr, flush=True)
-
-
-def _silence_stdout() -> None:
-    """Prevent an error message at exit about a closed pipe."""
-    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -23,6 +23,8 @@ from contextlib import suppress
 from types import FrameType
 from typing import TYPE_CHECKING, NoReturn
 
+from lsc_pose_ros.cli.standard_streams import prepare_streams
+
 if TYPE_CHECKING:
     from sys import UnraisableHookArgs
 
@@ -40,6 +42,7 @@ def main() -> int:
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, _end)
         sys.unraisablehook = _pass_on
+    prepare_streams()
     try:
         from lsc_pose_ros.cli.main import main as run_command  # noqa: PLC0415
 

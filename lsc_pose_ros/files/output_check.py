@@ -24,7 +24,11 @@ from typing import NamedTuple
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import Kind
-from lsc_pose_ros.files.output_place import check_output, is_written_through
+from lsc_pose_ros.files.output_place import (
+    check_folder_of_outputs,
+    check_output,
+    is_written_through,
+)
 
 
 class Output(NamedTuple):
@@ -32,6 +36,22 @@ class Output(NamedTuple):
 
     path: Path
     kind: Kind
+
+
+def outputs_in(folder: Path, files: dict[str, Kind] | None = None) -> list[Output]:
+    """Return the outputs in a folder, which is made if it does not exist.
+
+    Args:
+        folder: the folder.
+        files: the kinds of the files that are replaced in it, by their names.
+
+    Raises:
+        InputError: the folder cannot be made, or nothing can be written to it.
+    """
+    check_folder_of_outputs(folder)
+    if not folder.is_dir():
+        return []
+    return [Output(folder / name, kind) for name, kind in (files or {}).items()]
 
 
 def check_outputs(outputs: Sequence[Output], inputs: Iterable[Path]) -> None:

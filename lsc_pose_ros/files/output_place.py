@@ -60,6 +60,11 @@ def descriptor_of(path: Path) -> int | None:
     return int(found[1]) if found else _NAMED_DESCRIPTORS.get(str(path))
 
 
+def names_standard_output(path: Path) -> bool:
+    """Return whether `path` is standard output, under any of its names."""
+    return descriptor_of(path) == 1
+
+
 def is_written_through(path: Path) -> bool:
     """Return whether `path` is written to, not replaced: a device, a pipe, or `-`."""
     if descriptor_of(path) is not None:

@@ -19,6 +19,8 @@ import hashlib
 import os
 from pathlib import Path
 
+from lsc_pose_ros.errors import InputError
+
 _LONGEST_NAME = 255
 """The longest name that file systems allow, bytes; some allow less."""
 
@@ -28,7 +30,13 @@ def sibling(path: Path, suffix: str, prefix: str = '') -> Path:
 
     If that is longer than the file system allows, the end of NAME is replaced by its hash, so
     that each file has a sibling of its own.
+
+    Raises:
+        InputError: `path` has no name: it is a folder.
     """
+    if not path.name:
+        msg = f'{path} is a folder; choose another name'
+        raise InputError(msg)
     longest = longest_name(path.parent)
     name = os.fsencode(path.name)
     added = len(os.fsencode(prefix + suffix))

@@ -53,7 +53,7 @@ from lsc_pose_ros.evaluation.evaluate import evaluate, select, summarise
 from lsc_pose_ros.evaluation.offsets import fit_offsets
 from lsc_pose_ros.evaluation.video_scores import VideoFrame
 from lsc_pose_ros.files.kinds import HTML, JSON
-from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_check import Output, check_outputs, outputs_in
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
 from lsc_pose_ros.viz.report import PAGE_NAME
@@ -171,8 +171,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _check_outputs(arguments: argparse.Namespace, inputs: list[Path]) -> None:
     outputs = [Output(arguments.json, JSON)] if arguments.json else []
-    if arguments.report and arguments.report.exists():
-        outputs.append(Output(arguments.report / PAGE_NAME, HTML))
+    if arguments.report:
+        outputs += outputs_in(arguments.report, {PAGE_NAME: HTML})
     check_outputs(outputs, inputs)
 
 

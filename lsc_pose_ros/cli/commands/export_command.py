@@ -22,7 +22,7 @@ from pathlib import Path
 from lsc_pose_ros.bags import RecordingReader
 from lsc_pose_ros.bags.topics import DEFAULT_TOPICS
 from lsc_pose_ros.cli.input.joint_sequence import JointSequence, read_joint_sequence
-from lsc_pose_ros.cli.output.joint_tables import KINDS_OF_TABLES, write_joints
+from lsc_pose_ros.cli.output.joint_tables import kind_of_table, write_joints
 from lsc_pose_ros.files.output_check import Output, check_outputs
 
 HELP = """Write the joints that a recording contains for other programs: as a table (.csv,
@@ -73,10 +73,8 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the recording has no skeletons, or the file cannot be written.
     """
-    suffix = arguments.output.suffix
-    if suffix in KINDS_OF_TABLES:
-        output = Output(arguments.output, KINDS_OF_TABLES[suffix])
-        check_outputs([output], [arguments.recording])
+    output = Output(arguments.output, kind_of_table(arguments.output))
+    check_outputs([output], [arguments.recording])
     recording = RecordingReader(arguments.recording)
     truth = DEFAULT_TOPICS.ground_truth
     ground_truth = truth if truth in recording.topics else ''

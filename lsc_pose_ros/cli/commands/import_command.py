@@ -29,9 +29,11 @@ from lsc_pose_ros.datasets.utd_mhad import (
     import_utd_mhad,
     select_sequences,
 )
-from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.kinds import HTML
+from lsc_pose_ros.files.output_check import Output, check_outputs, outputs_in
 from lsc_pose_ros.files.output_place import is_written_through
 from lsc_pose_ros.labels.checks.problems import LabelLimits
+from lsc_pose_ros.viz.report import PAGE_NAME
 
 HELP = 'convert a public data set, images or a ROS 1 bag into a recording'
 
@@ -126,8 +128,11 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         InputError: the data set or the output cannot be used.
     """
+    outputs = [Output(arguments.output, RECORDING)]
+    if getattr(arguments, 'report', None):  # data sets without labels have none
+        outputs += outputs_in(arguments.report, {PAGE_NAME: HTML})
+    check_outputs(outputs, [arguments.directory])
     writer = RecordingWriter(arguments.output)
-    check_outputs([Output(arguments.output, RECORDING)], [arguments.directory])
     if arguments.dataset in IMPORTERS:
         importer = IMPORTERS[arguments.dataset]
         print(f'{arguments.output}: {importer.write(arguments, writer)}')

@@ -38,7 +38,8 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import HTML, JSON
-from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_check import Output, check_outputs, outputs_in
+from lsc_pose_ros.files.output_place import is_written_through
 from lsc_pose_ros.labels.body_matching import numbered_as_mask
 from lsc_pose_ros.labels.checks.problems import (
     LENGTH,
@@ -194,15 +195,15 @@ def _check(arguments: argparse.Namespace) -> None:
     inputs = [arguments.recording, *(arguments.source or [])]
     inputs += filter(None, [arguments.frames, arguments.extrinsic])
     check_outputs([Output(arguments.output, RECORDING), *_reports(arguments)], inputs)
-    if arguments.output.name == '-':
+    if is_written_through(arguments.output):
         msg = 'the labelled recording is read again for its check; give -o a file'
         raise InputError(msg)
 
 
 def _reports(arguments: argparse.Namespace) -> list[Output]:
     outputs = [Output(arguments.json, JSON)] if arguments.json else []
-    if arguments.report and arguments.report.exists():
-        outputs.append(Output(arguments.report / PAGE_NAME, HTML))
+    if arguments.report:
+        outputs += outputs_in(arguments.report, {PAGE_NAME: HTML})
     return outputs
 
 

@@ -55,9 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
     """
     settings = settings_of(arguments)
     frames = synthetic_frames(settings)
-    writer = RecordingWriter(arguments.output)
     inputs = filter(None, [arguments.mocap, arguments.mocap_mapping])
     check_outputs([Output(arguments.output, RECORDING)], inputs)
+    writer = RecordingWriter(arguments.output)
     with writer:
         for frame in progress(frames, settings.frames, 'generating'):
             writer.write_frame(frame)

@@ -35,7 +35,7 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import PNG
-from lsc_pose_ros.files.output_check import Output, check_outputs
+from lsc_pose_ros.files.output_check import Output, check_outputs, outputs_in
 from lsc_pose_ros.files.output_place import is_written_through
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
@@ -166,6 +166,8 @@ def _check(arguments: argparse.Namespace) -> None:
         raise InputError(msg)
     if _is_picture(output):
         check_outputs([Output(output, PNG)], [arguments.recording])
+    else:
+        outputs_in(output)
     count = len(arguments.at or ()) or arguments.frames
     if count > _MOST_FRAMES:
         msg = f'{count} frames are too many for one sheet; the limit is {_MOST_FRAMES}'

@@ -33,7 +33,7 @@ from lsc_pose_ros.synthetic.mocap.bvh_writer import bvh_text
 
 _SECOND = 1_000_000_000
 
-KINDS_OF_TABLES: dict[str, Kind] = {
+_KINDS: dict[str, Kind] = {
     '.csv': TEXT,
     '.parquet': begins_with('a Parquet file', b'PAR1'),
     '.npz': archive('an archive of joints', 'positions.npy'),
@@ -43,6 +43,19 @@ KINDS_OF_TABLES: dict[str, Kind] = {
 """The kinds of files that joints are written as, by the suffix."""
 
 Columns = dict[str, NDArray[Any]]
+
+
+def kind_of_table(path: Path) -> Kind:
+    """Return the kind of the file that joints are written to.
+
+    Raises:
+        InputError: its suffix is unknown.
+    """
+    if path.suffix not in _KINDS:
+        known = ', '.join(_KINDS)
+        msg = f'{path}: joints are written as {known}, not as {path.suffix or "this"}'
+        raise InputError(msg)
+    return _KINDS[path.suffix]
 
 
 def write_joints(path: Path, sequence: JointSequence, *, wide: bool, body: int | None) -> None:
@@ -64,10 +77,8 @@ def write_joints(path: Path, sequence: JointSequence, *, wide: bool, body: int |
         '.json': lambda: _json(sequence),
         '.bvh': lambda: _bvh(sequence, body),
     }
-    if path.suffix not in writers:
-        msg = f'{path}: joints are written as {", ".join(writers)}, not as {path.suffix or "this"}'
-        raise InputError(msg)
-    write_output(path, KINDS_OF_TABLES[path.suffix], writers[path.suffix]())
+    kind = kind_of_table(path)
+    write_output(path, kind, writers[path.suffix]())
 
 
 def columns_of(sequence: JointSequence, *, wide: bool) -> Columns:
