@@ -57,6 +57,27 @@ def check_model(model: Model) -> None:
     check_forest(model.forest, model.feature_size, count, len(edges))
 
 
+def check_counts(trees: int, depth: int, votes: int) -> None:
+    """Check what grows with the settings of a training; `check_forest` checks the forest itself.
+
+    Args:
+        trees: the number of trees.
+        depth: the largest number of splits from a root to a leaf.
+        votes: the largest number of votes of a leaf, for joints or for pairs.
+
+    Raises:
+        UnusableModelError: a file cannot have so many.
+    """
+    for count, most, what in (
+        (trees, MOST_TREES, 'trees'),
+        (depth, MOST_SPLITS, 'splits above a leaf'),
+        (votes, MOST_VOTES, 'votes in a leaf'),
+    ):
+        if count > most:
+            msg = f'it has {count} {what}; the limit is {most}'
+            raise UnusableModelError(msg)
+
+
 def check_forest(forest: Forest, features: int, joints: int, edges: int) -> None:
     """Check every index in `forest`.
 
@@ -129,9 +150,7 @@ def _check_nodes(forest: Forest, size: int, leaves: int) -> None:
 
 def _check_depth(forest: Forest) -> None:
     """Check that a point passes few nodes; that each node has one parent, too."""
-    if len(forest.roots) > MOST_TREES:
-        msg = f'it has {len(forest.roots)} trees; the limit is {MOST_TREES}'
-        raise UnusableModelError(msg)
+    check_counts(len(forest.roots), 0, 0)
     level, passed = forest.roots, 0
     for _ in range(MOST_SPLITS + 1):
         passed += len(level)

@@ -137,8 +137,12 @@ def describe_model(model: Model) -> dict[str, str]:
     }
 
 
-def check_sizes(path: Path) -> None:
+def check_sizes(path: Path, most_parts: int = MOST_PARTS) -> None:
     """Check the sizes that an archive claims, before memory is allocated for its arrays.
+
+    Args:
+        path: the archive.
+        most_parts: the most arrays that an archive of its kind may have.
 
     Raises:
         UnusableModelError: a part is too large to be that of a model, or is much larger than the
@@ -151,7 +155,7 @@ def check_sizes(path: Path) -> None:
             if entry.file_size > min(LARGEST_ARRAY, most):
                 msg = f'its part {entry.filename!r:.40} has {entry.file_size} bytes'
                 raise UnusableModelError(msg)
-        if len(entries) > MOST_PARTS or sum(entry.file_size for entry in entries) > most:
+        if len(entries) > most_parts or sum(entry.file_size for entry in entries) > most:
             msg = 'its parts are too many, or far larger than the file'
             raise UnusableModelError(msg)
         for entry in entries:

@@ -78,7 +78,7 @@ def decode_header(data: NDArray[Any]) -> Header:
         raise UnusableModelError(msg)
     if isinstance(settings, dict):
         settings = _settings_of_this_version(settings, version)
-    return Header(_read_settings(settings), _read_provenance(header.get('provenance')))
+    return Header(read_settings(settings), _read_provenance(header.get('provenance')))
 
 
 def _settings_of_this_version(given: dict[str, Any], version: int) -> dict[str, Any]:
@@ -95,7 +95,12 @@ def _read_provenance(given: object) -> dict[str, str]:
     return {str(name): str(value) for name, value in given.items()}
 
 
-def _read_settings(given: object) -> Settings:
+def read_settings(given: object) -> Settings:
+    """Return the settings of a header.
+
+    Raises:
+        UnusableModelError: they are not those of this version, or one is out of range.
+    """
     defaults = Settings()._asdict()
     if not isinstance(given, dict) or set(given) != set(defaults):
         msg = 'its settings are not those of this version'

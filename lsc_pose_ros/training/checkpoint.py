@@ -63,11 +63,14 @@ class Checkpoint(Protocol):
     later make the same forest as an uninterrupted training.
     """
 
-    def load(self, key: str, limits: Limits) -> list[FinishedTree]:
-        """Return the trees that the training `key` has finished before, checked by `limits`."""
+    def load(self, key: str, limits: Limits, wanted: int) -> list[FinishedTree]:
+        """Return the trees that the training `key` has finished before, at most `wanted`.
+
+        They are checked by `limits`.
+        """
 
     def store(self, key: str, trees: Sequence[FinishedTree]) -> None:
-        """Keep the finished trees of the training `key`."""
+        """Keep the finished trees of the training `key`, if possible: it goes on anyway."""
 
 
 def training_key(samples: Samples, settings: object) -> str:

@@ -18,7 +18,9 @@
 The file is what `numpy.savez` writes, read with `allow_pickle=False`, with a JSON header.
 """
 
-from collections.abc import Sequence
+import os
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -26,7 +28,10 @@ import numpy as np
 
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import archive
+from lsc_pose_ros.files.lock_beside import locked
 from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.files.output_place import is_written_through
+from lsc_pose_ros.files.sibling_names import sibling
 from lsc_pose_ros.model_io.archive_header import header_array, read_header
 from lsc_pose_ros.model_io.forest_packing import Form
 from lsc_pose_ros.model_io.model_check import MOST_TREES, check_forest
@@ -53,54 +58,104 @@ _VOTES: dict[str, Form] = {
 }
 _KINDS = ('joint_votes', 'pair_votes')
 
+_MOST_PARTS = 1 + MOST_TREES * (len(_NODES) + len(_KINDS) * len(_VOTES))
+"""The arrays of a checkpoint with as many trees as a model may have, and its header."""
+
 
 def checkpoint_path(model: Path) -> Path:
     """Return where the training of the file `model` keeps its finished trees."""
-    return model.with_name(f'{model.name}.checkpoint')
+    return sibling(model, '.checkpoint')
+
+
+def _tell_nobody(_text: str) -> None:
+    pass
 
 
 class CheckpointFile:
     """Keeps the finished trees of a training in a file; a Checkpoint.
 
+    As a context manager, it keeps other trainings away from the file.
+
     Args:
-        path: the file.
+        path: the file. A link stays; a device or a pipe is written to, and keeps nothing.
         program: name and version of the program, for another one may grow other trees.
         resume: whether the trees that the file has are used.
+        tell: gets a sentence for users about what happens to the trees.
+        warn: gets a sentence for users who should know that something is wrong.
     """
 
-    def __init__(self, path: Path, program: str, *, resume: bool) -> None:
+    def __init__(
+        self,
+        path: Path,
+        program: str,
+        *,
+        resume: bool,
+        tell: Callable[[str], None] = _tell_nobody,
+        warn: Callable[[str], None] = _tell_nobody,
+    ) -> None:
         """Touch no file yet."""
         self._path = path
         self._program = program
         self._resume = resume
+        self._tell = tell
+        self._warn = warn
+        self._opened = ExitStack()
+        self._has_warned = False
+        self._has_more = False
 
-    def load(self, key: str, limits: Limits) -> list[FinishedTree]:
-        """Return the trees in the file; none if there is no file.
+    def __enter__(self) -> 'CheckpointFile':  # noqa: PYI034 - typing.Self is of Python 3.11
+        """Lock the file, and check it against `resume`.
+
+        Raises:
+            InputError: another training has the file, or it has trees that would be lost.
+        """
+        busy = (
+            f'{self._path} is in use by another training with the same output; '
+            'wait for its end, or choose another name for the model'
+        )
+        with ExitStack() as stack:
+            if not is_written_through(self._path):
+                stack.enter_context(locked(self._path, busy))
+            self._check_resume()
+            self._opened = stack.pop_all()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Release the lock."""
+        self._opened.close()
+
+    def load(self, key: str, limits: Limits, wanted: int) -> list[FinishedTree]:
+        """Return the trees in the file, at most `wanted`; none if there is no file.
 
         Raises:
             InputError: the file is damaged, or belongs to another training.
         """
-        if not self._resume or not self._path.exists():
+        if not self._resume or not self._path.is_file():
             return []
         try:
-            found, trees = _read(self._path, limits)
+            found, trees = _read(self._path, limits, {'key': key, 'program': self._program})
         except Exception as error:  # a damaged file makes numpy raise errors of many types
             why = why_unusable(error)
-            msg = f'{self._path} is not a usable checkpoint ({why}); train without --resume'
+            msg = (
+                f'{self._path} is not a usable checkpoint ({why}); remove it to begin anew, '
+                'without --resume'
+            )
             raise InputError(msg) from error
-        if found != {'key': key, 'program': self._program}:
+        if not found:
             msg = (
                 f'{self._path} belongs to a training with other recordings or settings, or of '
-                'another version; give the same ones, or train without --resume'
+                'another version; give the same ones, or remove it to begin anew, without --resume'
             )
             raise InputError(msg)
-        return trees
+        self._has_more = len(trees) > wanted
+        taken = trees[:wanted]
+        self._tell(f'{len(taken)} of {wanted} trees are taken from {self._path}')
+        return taken
 
     def store(self, key: str, trees: Sequence[FinishedTree]) -> None:
         """Write the trees to the file; an interrupted write leaves it as it was.
 
-        Raises:
-            InputError: the file cannot be written, or another kind of file is there.
+        If it cannot be written, a warning is given once, and the next tree tries again.
         """
         header = {'key': key, 'program': self._program, 'trees': len(trees)}
         arrays: dict[str, Any] = {'header': header_array(FORMAT, VERSION, header)}
@@ -109,23 +164,51 @@ class CheckpointFile:
             for kind in _KINDS:
                 votes: LeafVotes = getattr(tree, kind)
                 arrays |= {f'{number}_{kind}_{name}': getattr(votes, name) for name in _VOTES}
-        write_output(self._path, CHECKPOINT, lambda file: np.savez(file, **arrays))
+        try:
+            write_output(self._path, CHECKPOINT, lambda file: np.savez(file, **arrays))
+        except (InputError, OSError) as error:
+            if not self._has_warned:
+                self._warn(f'the finished trees are not kept: {error}; the training goes on')
+            self._has_warned = True
 
     def remove(self) -> None:
-        """Remove the file, if it is there."""
-        self._path.unlink(missing_ok=True)
+        """Remove the file when the model is written; it stays if it has more trees than that."""
+        if self._has_more:
+            self._tell(f'{self._path} stays: it has more trees than the model')
+            return
+        # The target of a link is removed; the link stays, as where a file is written.
+        target = Path(os.path.realpath(self._path))
+        try:
+            if target.is_file():
+                target.unlink()
+        except OSError as error:
+            self._warn(f'{self._path} cannot be removed: {error.strerror}; it is not needed')
+
+    def _check_resume(self) -> None:
+        exists = self._path.is_file()
+        if exists and not self._resume:
+            msg = (
+                f'{self._path} has the trees of a training that was interrupted; go on with '
+                f'--resume, or remove {self._path} to begin anew'
+            )
+            raise InputError(msg)
+        if self._resume and not exists:
+            self._warn(f'--resume: there is no checkpoint {self._path}; the training begins anew')
 
 
-def _read(path: Path, limits: Limits) -> tuple[dict[str, str], list[FinishedTree]]:
-    check_sizes(path)
+def _read(path: Path, limits: Limits, expected: dict[str, str]) -> tuple[bool, list[FinishedTree]]:
+    """Return whether the file has what is expected in its header, and its trees if it has."""
+    check_sizes(path, _MOST_PARTS)
     with np.load(path, allow_pickle=False) as stored:
         header = read_header(stored, FORMAT, VERSION)
         count = header.get('trees')
         if not isinstance(count, int) or not 0 < count <= MOST_TREES:
             msg = f'it has {count!r:.20} trees'
             raise UnusableModelError(msg)
-        trees = [_read_tree(stored, number, limits) for number in range(count)]
-    return {name: str(header.get(name)) for name in ('key', 'program')}, trees
+        # The trees of another training may have indices that are out of the limits of this one.
+        if any(header.get(name) != value for name, value in expected.items()):
+            return False, []
+        return True, [_read_tree(stored, number, limits) for number in range(count)]
 
 
 def _read_tree(stored: Any, number: int, limits: Limits) -> FinishedTree:  # noqa: ANN401

@@ -24,6 +24,9 @@ from numpy.typing import NDArray
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import default_edges, names_of
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.model_io.model_check import check_counts
+from lsc_pose_ros.model_io.model_header import read_settings
+from lsc_pose_ros.model_io.unusable_model import UnusableModelError
 from lsc_pose_ros.pose.features.point_features import feature_size
 from lsc_pose_ros.pose.forest.body_yaw import BODY_YAW_SIZE
 from lsc_pose_ros.pose.forest.forest import Forest, LeafVotes
@@ -109,9 +112,10 @@ def train(
             None to keep none.
 
     Raises:
-        InputError: no labelled person is visible, a joint is never labelled, or the joints that
-            define the body yaw are missing.
+        InputError: no labelled person is visible, a joint is never labelled, the joints that
+            define the body yaw are missing, or no file can hold such a model.
     """
+    check_bounds(training)
     if training.settings.body_yaws:
         left_right_columns(training.joints)  # fails now instead of after all frames are read
     progress('reading frames')
@@ -126,6 +130,21 @@ def train(
     if held_out:
         progress(f'calibrating the confidence on {len(held_out)} held-out people')
     return calibrate(model, held_out)
+
+
+def check_bounds(training: TrainingSettings) -> None:
+    """Check that a file can hold a model that is trained with these settings.
+
+    Raises:
+        InputError: its readers would refuse it.
+    """
+    votes = training.leaves.clusters * len(training.joints)
+    try:
+        read_settings(training.settings._asdict())
+        check_counts(training.trees, training.growth.depth, votes)
+    except UnusableModelError as error:
+        msg = f'no file can hold a model with these settings: {error}'
+        raise InputError(msg) from error
 
 
 def train_on(
@@ -148,6 +167,7 @@ def train_on(
     Raises:
         InputError: as `train`.
     """
+    check_bounds(training)
     _check_labels(samples, training)
     growth = training.growth
     if training.settings.body_yaws:
@@ -182,7 +202,7 @@ def _finish_trees(
     if checkpoint is not None:
         key = training_key(samples, _all_that_shapes_a_tree(training))
         limits = Limits(len(samples.quantised), len(training.joints), len(edges))
-        trees = checkpoint.load(key, limits)[: training.trees]
+        trees = checkpoint.load(key, limits, training.trees)
     statistics = joint_statistics(samples, training)
     for number in range(len(trees), training.trees):
         progress(f'growing tree {number + 1} of {training.trees}')

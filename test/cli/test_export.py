@@ -16,7 +16,10 @@
 """`lsc_pose export`: joints for other programs, and back."""
 
 import csv
+import io
 import json
+import os
+import threading
 
 import numpy as np
 import pytest
@@ -89,6 +92,18 @@ def test_npz(recording, frames):
         expected = np.stack([frame.ground_truth.positions[0] for frame in frames])
         np.testing.assert_array_equal(arrays['positions'], expected)
         assert str(arrays['frame_id']) == frames[0].frame_id
+
+
+def test_npz_through_a_pipe(recording, frames):
+    path = recording.parent / 'pipe.npz'
+    os.mkfifo(path)
+    read: list[bytes] = []
+    reader = threading.Thread(target=lambda: read.append(path.read_bytes()))
+    reader.start()
+    export(recording, 'pipe.npz')
+    reader.join()
+    with np.load(io.BytesIO(read[0])) as arrays:
+        assert len(arrays['stamps']) == len(frames)
 
 
 def test_json_has_null_for_unknown_joints(recording, frames):

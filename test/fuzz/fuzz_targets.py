@@ -94,7 +94,7 @@ def read_checkpoint(path: Path) -> None:
     """Read the trees of a checkpoint of `tiny_model`."""
     model = tiny_model()
     limits = Limits(model.feature_size, len(model.joints), len(model.edges))
-    CheckpointFile(path, 'program', resume=True).load('key', limits)
+    CheckpointFile(path, 'program', resume=True).load('key', limits, 2)
 
 
 def checkpoint(path: Path) -> None:

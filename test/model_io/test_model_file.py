@@ -168,6 +168,16 @@ def test_seed_of_the_offsets_may_be_large(small_model, small_model_file, tmp_pat
     assert load_model(path).settings.offset_seed == 2**64
 
 
+@pytest.mark.parametrize('name', ['-', '/dev/stdout'])
+def test_model_on_standard_output_is_read_back(small_model, tmp_path, capfdbinary, name):
+    size = save_model(name, small_model)
+    (tmp_path / 'model.npz').write_bytes(capfdbinary.readouterr().out)
+    assert (tmp_path / 'model.npz').stat().st_size == size
+    save_model(tmp_path / 'other.npz', load_model(tmp_path / 'model.npz'))
+    save_model(tmp_path / 'same.npz', small_model)
+    np.testing.assert_equal(parts_of(tmp_path / 'other.npz'), parts_of(tmp_path / 'same.npz'))
+
+
 def test_full_disk_leaves_only_the_old_model(small_model, small_model_file, tmp_path):
     """A limit on the size of files stands for a full disk."""
     path = tmp_path / 'model.npz'

@@ -61,6 +61,15 @@ def test_a_network_comes_back(tmp_path: Path) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ['parts.npz']
 
 
+def test_a_network_on_standard_output_comes_back(
+    tmp_path: Path, capfdbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    given = load_part_network()
+    save_part_network('-', *given)
+    (tmp_path / 'network.npz').write_bytes(capfdbinary.readouterr().out)
+    np.testing.assert_equal(load_part_network(tmp_path / 'network.npz'), given)
+
+
 def test_the_network_of_the_package_is_usable() -> None:
     network, provenance = load_part_network()
     assert len(network.scores.bias) == OUTPUTS

@@ -13,23 +13,44 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
+import errno
+import itertools
 import json
+import os
+import re
 import shutil
+import stat
 
 import numpy as np
 import pytest
 
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.model_io.model_check import MOST_TREES
+from lsc_pose_ros.pose.forest.forest import LeafVotes
+from lsc_pose_ros.training.checkpoint import FinishedTree, Limits
 from lsc_pose_ros.training.checkpoint_file import CheckpointFile, checkpoint_path
 from lsc_pose_ros.training.train import train
+
+_VOTES = LeafVotes(
+    np.array([0, 1], np.int32),
+    np.zeros(1, np.uint8),
+    np.zeros((1, 3), np.float32),
+    np.ones(1, np.float32),
+)
+TREE = FinishedTree(
+    np.array([-1], np.int16), np.zeros(1, np.uint8), np.zeros(1, np.int32), _VOTES, _VOTES
+)
+"""A tree of one leaf."""
+
+LIMITS = Limits(features=10, joints=10, edges=10)
 
 
 class InterruptedTrainingError(Exception):
     """Ends a training in the middle."""
 
 
-def checkpoint_in(folder, *, resume=True, program='lsc_pose_ros 1'):
-    return CheckpointFile(checkpoint_path(folder / 'me.npz'), program, resume=resume)
+def checkpoint_in(folder, *, resume=True, program='lsc_pose_ros 1', **told):
+    return CheckpointFile(checkpoint_path(folder / 'me.npz'), program, resume=resume, **told)
 
 
 def interrupt_at(step):
@@ -78,7 +99,11 @@ def assert_same_forest(one, other):
 
 def test_resumed_training_has_the_same_forest(interrupted, few, training, whole):
     steps = []
-    model = train(few, training, {}, steps.append, checkpoint_in(interrupted))
+    told = []
+    checkpoint = checkpoint_in(interrupted, tell=told.append)
+    model = train(few, training, {}, steps.append, checkpoint)
+    (line,) = told
+    assert re.fullmatch(r'1 of 2 trees are taken from .*me\.npz\.checkpoint', line)
     assert not any(step.startswith('growing tree 1') for step in steps)
     assert any(step.startswith('growing tree 2') for step in steps)
     assert_same_forest(model.forest, whole.forest)
@@ -91,11 +116,134 @@ def test_more_trees_can_be_asked_for(interrupted, few, training):
     assert_same_forest(resumed.forest, train(few, longer, {}).forest)
 
 
-def test_without_resume_the_training_begins_anew(interrupted, few, training, whole):
-    steps = []
-    model = train(few, training, {}, steps.append, checkpoint_in(interrupted, resume=False))
-    assert any(step.startswith('growing tree 1') for step in steps)
-    assert_same_forest(model.forest, whole.forest)
+def test_trees_that_would_be_lost_are_told_of(interrupted):
+    words = r'me\.npz\.checkpoint .* go on with --resume, or remove .*me\.npz\.checkpoint'
+    before = checkpoint_path(interrupted / 'me.npz').read_bytes()
+    with pytest.raises(InputError, match=words), checkpoint_in(interrupted, resume=False):
+        raise AssertionError
+    assert checkpoint_path(interrupted / 'me.npz').read_bytes() == before
+
+
+def test_resume_without_a_checkpoint_warns(tmp_path):
+    warnings = []
+    with checkpoint_in(tmp_path, warn=warnings.append):
+        pass
+    (warning,) = warnings
+    assert re.search(r'there is no checkpoint .*me\.npz\.checkpoint.* begins anew', warning)
+
+
+def test_second_training_is_refused_while_the_first_runs(tmp_path):
+    with checkpoint_in(tmp_path, resume=False) as checkpoint:
+        checkpoint.store('key', [TREE])
+        for resume in (False, True):
+            with (
+                pytest.raises(InputError, match='in use by another training'),
+                checkpoint_in(tmp_path, resume=resume),
+            ):
+                raise AssertionError
+        checkpoint.remove()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_trees_beyond_those_of_the_model_are_not_lost(tmp_path):
+    told = []
+    checkpoint = checkpoint_in(tmp_path, tell=told.append)
+    checkpoint.store('key', [TREE] * 3)
+    assert len(checkpoint.load('key', LIMITS, 2)) == 2
+    checkpoint.remove()
+    assert len(checkpoint.load('key', LIMITS, 5)) == 3
+    assert [text.split(' from ')[0] for text in told[::2]] == [
+        '2 of 2 trees are taken',
+        '3 of 5 trees are taken',
+    ]
+    assert 'stays' in told[1]
+    checkpoint.remove()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize('count', [1, 9, 10, MOST_TREES])
+def test_as_many_trees_as_a_model_has_can_be_resumed(tmp_path, count):
+    checkpoint_in(tmp_path).store('key', [TREE] * count)
+    assert len(checkpoint_in(tmp_path).load('key', LIMITS, MOST_TREES)) == count
+
+
+def test_archive_with_more_parts_is_refused(tmp_path):
+    checkpoint_in(tmp_path).store('key', [TREE] * (MOST_TREES + 1))
+    with pytest.raises(InputError, match='its parts are too many'):
+        checkpoint_in(tmp_path).load('key', LIMITS, MOST_TREES)
+
+
+def fill_disk(monkeypatch, full):
+    """Let the writing of these trees, counted from 1, fail as on a full disk."""
+    numbers = itertools.count(1)
+
+    def save(stream, **arrays):
+        if next(numbers) in full:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        np.savez_compressed(stream, **arrays)
+
+    monkeypatch.setattr(np, 'savez', save)
+
+
+@pytest.mark.parametrize('full', [{1}, {2}, {1, 2}])
+def test_full_disk_ends_no_training(tmp_path, few, training, whole, monkeypatch, full):
+    fill_disk(monkeypatch, full)
+    warnings = []
+    with checkpoint_in(tmp_path, resume=False, warn=warnings.append) as checkpoint:
+        model = train(few, training, {}, checkpoint=checkpoint)
+        assert_same_forest(model.forest, whole.forest)
+        (warning,) = warnings
+        assert re.search('trees are not kept: .* No space left on device; .* goes on', warning)
+        assert checkpoint_path(tmp_path / 'me.npz').exists() == (full != {1, 2})
+        checkpoint.remove()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_folder_that_vanishes_ends_no_training(tmp_path):
+    warnings = []
+    folder = tmp_path / 'gone'
+    folder.mkdir()
+    with checkpoint_in(folder, resume=False, warn=warnings.append) as checkpoint:
+        shutil.rmtree(folder)
+        checkpoint.store('key', [TREE])
+        folder.mkdir()
+        checkpoint.store('key', [TREE] * 2)
+    assert len(warnings) == 1
+    assert len(checkpoint_in(folder).load('key', LIMITS, 2)) == 2
+
+
+def test_link_is_followed_and_its_target_removed(tmp_path):
+    (tmp_path / 'other').mkdir()
+    link = checkpoint_path(tmp_path / 'me.npz')
+    link.symlink_to(tmp_path / 'other' / 'trees')
+    with checkpoint_in(tmp_path, resume=False) as checkpoint:
+        checkpoint.store('key', [TREE])
+        assert (tmp_path / 'other' / 'trees').is_file()
+        checkpoint.remove()
+    assert link.is_symlink()
+    assert list((tmp_path / 'other').iterdir()) == []
+
+
+def test_link_to_a_device_keeps_nothing(tmp_path):
+    link = checkpoint_path(tmp_path / 'me.npz')
+    link.symlink_to('/dev/null')
+    warnings = []
+    with checkpoint_in(tmp_path, resume=False, warn=warnings.append) as checkpoint:
+        checkpoint.store('key', [TREE])
+        assert checkpoint.load('key', LIMITS, 1) == []
+        checkpoint.remove()
+    assert warnings == []
+    assert link.is_symlink()
+    assert stat.S_ISCHR(link.stat().st_mode)
+
+
+def test_joints_are_no_damage(interrupted, few, training):
+    """Fewer joints make indices of the other training leave their limits."""
+    fewer = training._replace(joints=training.joints[:2])
+    with pytest.raises(
+        InputError, match='belongs to a training with other recordings or settings'
+    ):
+        train(few, fewer, {}, checkpoint=checkpoint_in(interrupted))
 
 
 @pytest.mark.parametrize('change', ['seed', 'people', 'depth', 'version'])
@@ -106,7 +254,9 @@ def test_checkpoint_of_another_training_is_refused(interrupted, few, training, c
         training = training._replace(growth=training.growth._replace(depth=11))
     given = few[:-1] if change == 'people' else few
     program = 'lsc_pose_ros 2' if change == 'version' else 'lsc_pose_ros 1'
-    with pytest.raises(InputError, match=r'me\.npz\.checkpoint belongs to .* without --resume'):
+    with pytest.raises(
+        InputError, match=r'me\.npz\.checkpoint belongs to .* remove it to begin anew'
+    ):
         train(given, training, {}, checkpoint=checkpoint_in(interrupted, program=program))
 
 
@@ -150,5 +300,5 @@ def test_header_of_another_kind_is_refused(interrupted, few, training, field, va
 def test_damaged_checkpoint_is_refused(interrupted, few, training):
     path = checkpoint_path(interrupted / 'me.npz')
     path.write_bytes(path.read_bytes()[:-1000])
-    with pytest.raises(InputError, match=r'is not a usable checkpoint .* train without --resume'):
+    with pytest.raises(InputError, match=r'is not a usable checkpoint .* remove it to begin anew'):
         train(few, training, {}, checkpoint=checkpoint_in(interrupted))

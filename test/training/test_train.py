@@ -23,9 +23,12 @@ from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.evaluation.evaluate import evaluate, joint_errors, summarise
+from lsc_pose_ros.model_io.model_check import MOST_SPLITS, MOST_TREES, MOST_VOTES
 from lsc_pose_ros.pose.estimator import Estimator
+from lsc_pose_ros.pose.settings import Settings
 from lsc_pose_ros.synthetic.generator import synthetic_frames
 from lsc_pose_ros.training.criterion import offset_moments
+from lsc_pose_ros.training.leaves import LeafSettings
 from lsc_pose_ros.training.samples import (
     LabelledPerson,
     gather_samples,
@@ -35,6 +38,7 @@ from lsc_pose_ros.training.samples import (
     select_joints,
 )
 from lsc_pose_ros.training.train import GIBIBYTE, TrainingSettings, limb_lengths, train
+from lsc_pose_ros.training.tree_growth import GrowthSettings
 
 
 @pytest.fixture(scope='module')
@@ -85,6 +89,27 @@ def test_limb_lengths_are_means_over_the_people(people, training):
     edges = np.array([[1, 0], [2, 3]], np.int32)
     expected = [np.linalg.norm(places[:, a] - places[:, b], axis=-1).mean() for a, b in edges]
     np.testing.assert_allclose(limb_lengths(samples, edges), expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ('change', 'reason'),
+    [
+        ({'trees': MOST_TREES + 1}, 'it has 101 trees; the limit is 100'),
+        ({'growth': GrowthSettings(depth=MOST_SPLITS + 1)}, '129 splits above a leaf'),
+        ({'leaves': LeafSettings(clusters=MOST_VOTES // 8 + 1)}, 'votes in a leaf'),
+        ({'settings': Settings(points=1001)}, 'its setting points is 1001'),
+        ({'settings': Settings(joint_bandwidth=0.0)}, 'bandwidths are not positive'),
+    ],
+)
+def test_model_that_no_file_can_hold_is_refused_before_the_frames_are_read(
+    training, change, reason
+):
+    def frames():
+        raise AssertionError
+        yield
+
+    with pytest.raises(InputError, match=f'no file can hold a model.*{reason}'):
+        train(frames(), training._replace(**change), {})
 
 
 def test_joint_that_nobody_labels_is_named(people, training):

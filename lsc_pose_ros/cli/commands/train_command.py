@@ -18,6 +18,7 @@
 import argparse
 import itertools
 import time
+from contextlib import nullcontext
 from pathlib import Path
 
 from lsc_pose_ros import __version__
@@ -40,7 +41,7 @@ from lsc_pose_ros.cli.options.training_options import (
 )
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.machine import utc_date, versions
-from lsc_pose_ros.cli.output.progress import REPORTER
+from lsc_pose_ros.cli.output.progress import REPORTER, warn
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import JSON
@@ -106,7 +107,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         '--resume',
         action='store_true',
         help='go on from the trees that an interrupted training of the same MODEL, recordings and '
-        'settings has left in MODEL.checkpoint; the forest is the same as without interruption',
+        'settings has left in MODEL.checkpoint; the forest is the same as without interruption. '
+        'Without --resume, such a file is an error, so that nothing is lost',
     )
     parser.add_argument('--json', type=Path, metavar='FILE', help='write sizes and times to FILE')
 
@@ -119,19 +121,18 @@ def run(arguments: argparse.Namespace) -> int:
     """
     training = training_settings(arguments)
     _check_outputs(arguments)
-    readers = open_recordings(arguments)
-    others = _open_calibration_recordings(arguments, training)
-    begin = time.perf_counter()
-    frames = read_frames(readers, 'reading')
-    provenance = _provenance(arguments, training)
-    checkpoint = _checkpoint(arguments)
-    model = train(frames, training, provenance, REPORTER.step, checkpoint)
-    if others:
-        frames = read_frames(others, 'calibrating')
-        model = calibrate(model, labelled_people(frames, training.joints, training.settings))
-    size = save_model(arguments.output, model)
-    if checkpoint:
-        checkpoint.remove()
+    with _checkpoint(arguments) as checkpoint:
+        readers = open_recordings(arguments)
+        others = _open_calibration_recordings(arguments, training)
+        begin = time.perf_counter()
+        provenance = _provenance(arguments, training)
+        frames = read_frames(readers, 'reading')
+        model = train(frames, training, provenance, REPORTER.step, checkpoint)
+        if others:
+            frames = read_frames(others, 'calibrating')
+            people = labelled_people(frames, training.joints, training.settings)
+            model = calibrate(model, people)
+        size = _save(arguments.output, model, checkpoint)
     results = _results(arguments, model, time.perf_counter() - begin) | {'bytes': size}
     print(
         f'{arguments.output}: {results["people"]} labelled bodies in all frames, '
@@ -143,12 +144,34 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _checkpoint(arguments: argparse.Namespace) -> CheckpointFile | None:
-    """Return the checkpoint beside the model; None if the model is no file."""
+def _save(output: Path, model: Model, checkpoint: CheckpointFile | None) -> int:
+    """Write the model, remove the checkpoint, and return the size of the model, bytes."""
+    try:
+        size = save_model(output, model)
+    except InputError as error:
+        kept = checkpoint_path(output)
+        if checkpoint is None or not kept.is_file():
+            raise
+        msg = f'{error}; the finished trees are in {kept}, with which --resume goes on'
+        raise InputError(msg) from error
+    if checkpoint:
+        checkpoint.remove()
+    return size
+
+
+def _checkpoint(
+    arguments: argparse.Namespace,
+) -> CheckpointFile | nullcontext[None]:
+    """Return the checkpoint beside the model; a context without one if the model is no file."""
     if is_written_through(arguments.output):
-        return None
-    path = checkpoint_path(arguments.output)
-    return CheckpointFile(path, _program(), resume=arguments.resume)
+        return nullcontext()
+    return CheckpointFile(
+        checkpoint_path(arguments.output),
+        _program(),
+        resume=arguments.resume,
+        tell=REPORTER.tell,
+        warn=warn,
+    )
 
 
 def _program() -> str:

@@ -27,6 +27,7 @@ from lsc_pose_ros.cli.options.numbers import (
 )
 from lsc_pose_ros.data_types.joints import DEFAULT_JOINTS, numbers_of
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.model_io.model_check import MOST_SPLITS, MOST_TREES
 from lsc_pose_ros.pose.settings import FEATURES, LARGEST, SAMPLES
 from lsc_pose_ros.training.body_yaw_labels import BODY_YAWS
 from lsc_pose_ros.training.criterion import CRITERIA
@@ -39,6 +40,14 @@ _NEIGHBOURS = 8
 
 # If more people than this fraction are held out, too few are left to train on.
 _LARGEST_HOLD_OUT = 0.5
+
+
+# The largest values of the fields of each group that a model file bounds.
+_BOUNDS: dict[str, dict[str, float]] = {
+    'settings': LARGEST,
+    '': {'trees': MOST_TREES},
+    'growth': {'depth': MOST_SPLITS},
+}
 
 
 class TrainingOption(NamedTuple):
@@ -67,6 +76,12 @@ class TrainingOption(NamedTuple):
         """The default of the field."""
         owner = getattr(_DEFAULTS, self.group) if self.group else _DEFAULTS
         return getattr(owner, self.field)
+
+    @property
+    def largest(self) -> float | None:
+        """The largest value that a model file may have, None if the file does not bound it."""
+        bounds = _BOUNDS.get(self.group)
+        return bounds.get(self.field) if bounds else None
 
 
 def _choice(name: str, group: str, choices: Iterable[str], text: str) -> TrainingOption:
@@ -235,7 +250,7 @@ def add_training_options(
 
 def _bounded(option: TrainingOption) -> Callable[[str], Any]:
     """Return what converts a word to a value that a model file may have."""
-    largest = LARGEST.get(option.field) if option.group == 'settings' else None
+    largest = option.largest
 
     def convert(word: str) -> object:
         value = option.convert(word)
@@ -263,10 +278,13 @@ def training_settings(arguments: argparse.Namespace) -> TrainingSettings:
     """Return the settings that `arguments` ask for.
 
     Raises:
-        InputError: a joint is not known, or the seed is negative.
+        InputError: a joint is not known, or the seed is negative or too large.
     """
     if arguments.seed < 0:
         msg = f'--seed {arguments.seed} must not be negative'
+        raise InputError(msg)
+    if arguments.seed > LARGEST['offset_seed']:
+        msg = f'--seed is too large; the limit is {LARGEST["offset_seed"]:g}'
         raise InputError(msg)
     training = _DEFAULTS._replace(
         joints=numbers_of(arguments.joints),

@@ -80,9 +80,19 @@ class Reporter:
         elif self._steps is not None:
             self._steps.tell(text)
 
+    def tell(self, text: str) -> None:
+        """Tell at once what the user asked for, or what is not as usual."""
+        if not self.quiet:
+            print(f'lsc_pose: {text}', file=sys.stderr, flush=True)
+
 
 REPORTER = Reporter()
 """The one of this program."""
+
+
+def warn(text: str) -> None:
+    """Warn the user, also with `--quiet`."""
+    print(f'lsc_pose: warning: {text}', file=sys.stderr, flush=True)
 
 
 def add_verbosity_options(parser: argparse.ArgumentParser) -> None:
