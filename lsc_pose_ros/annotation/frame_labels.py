@@ -148,22 +148,29 @@ def position_at(pixel: tuple[float, float], z: float, camera: Intrinsics) -> NDA
     return point
 
 
-def as_json(labels: FrameLabels, camera: Intrinsics) -> list[dict[str, Any]]:
-    """Return labels for the page: positions in metres, and the pixels where they are."""
-    bodies = []
-    for number, body in sorted(labels.items()):
-        pixels = project(body.positions, camera)
-        joints = {}
-        for index, name in enumerate(JOINT_NAMES):
-            if not np.isfinite(body.positions[index]).all():
-                continue
-            pixel = [float(value) for value in pixels[index]]
-            joints[name] = {
-                'position': [float(value) for value in body.positions[index]],
-                'pixel': pixel if all(map(math.isfinite, pixel)) else None,
-                'hidden': bool(body.hidden[index]),
-            }
-        bodies.append({'number': number, 'joints': joints})
+def without_pixels(labels: FrameLabels) -> list[dict[str, Any]]:
+    """Return labels as JSON: the joints of each body, with their positions in metres."""
+    return [
+        {
+            'number': number,
+            'joints': {
+                name: {'position': position.tolist(), 'hidden': bool(hidden)}
+                for name, position, hidden in zip(JOINT_NAMES, *body, strict=True)
+                if np.isfinite(position).all()
+            },
+        }
+        for number, body in sorted(labels.items())
+    ]
+
+
+def with_pixels(labels: FrameLabels, camera: Intrinsics) -> list[dict[str, Any]]:
+    """Return labels for the page: also the pixels where the joints are, None where none is."""
+    bodies = without_pixels(labels)
+    for body in bodies:
+        pixels = project(labels[body['number']].positions, camera)
+        for name, joint in body['joints'].items():
+            pixel = pixels[JOINT_NUMBERS[name]].tolist()
+            joint['pixel'] = pixel if all(map(math.isfinite, pixel)) else None
     return bodies
 
 

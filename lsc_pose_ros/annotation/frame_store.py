@@ -14,14 +14,17 @@
 # limitations under the License.
 """The frames of a recording in any order: depth images on the disk, all else in memory."""
 
+import hashlib
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import Frame
+from lsc_pose_ros.errors import InputError
 
 _Number = TypeVar('_Number', np.float32, np.int32)
 
@@ -39,27 +42,40 @@ class FrameStore:
     Attributes:
         numbers: the numbers of the stored frames in the recording.
         all_stamps: the stamps of all frames of the recording, nanoseconds.
+        content: a hash of all stamps and of the first and the last depth image of the recording,
+            whichever frames are stored.
     """
 
     def __init__(self, frames: Iterable[Frame], every: int = 1) -> None:
-        """Read all frames of a recording, and store each one whose number `every` divides."""
-        self._file = tempfile.TemporaryFile(prefix='lsc_pose_annotate_')  # noqa: SIM115
+        """Read all frames of a recording, and store each one whose number `every` divides.
+
+        Raises:
+            InputError: no temporary file can hold the images.
+        """
+        with _temporary_files():
+            self._file = tempfile.TemporaryFile(prefix='lsc_pose_annotate_')  # noqa: SIM115
         self._frames: list[StoredFrame] = []
         self.numbers: list[int] = []
         self.all_stamps: list[int] = []
+        ends: list[NDArray[np.float32]] = []
         for number, frame in enumerate(frames):
             self.all_stamps.append(frame.stamp)
-            if number % every:
-                continue
-            self.numbers.append(number)
-            at = self._file.tell()
-            self._file.write(np.ascontiguousarray(frame.depth).tobytes())
-            self._file.write(np.ascontiguousarray(frame.labels).tobytes())
-            nothing = np.zeros((0, *frame.depth.shape[1:]))
-            stored = frame._replace(
-                depth=nothing.astype(np.float32), labels=nothing.astype(np.int32)
-            )
-            self._frames.append(StoredFrame(stored, at))
+            ends = [*ends[:1], frame.depth]
+            if number % every == 0:
+                self.numbers.append(number)
+                with _temporary_files():
+                    self._store(frame)
+        with _temporary_files():
+            self._file.flush()
+        self.content = _hash(self.all_stamps, ends)
+
+    def _store(self, frame: Frame) -> None:
+        at = self._file.tell()
+        self._file.write(np.ascontiguousarray(frame.depth).tobytes())
+        self._file.write(np.ascontiguousarray(frame.labels).tobytes())
+        nothing = np.zeros((0, *frame.depth.shape[1:]))
+        stored = frame._replace(depth=nothing.astype(np.float32), labels=nothing.astype(np.int32))
+        self._frames.append(StoredFrame(stored, at))
 
     def __len__(self) -> int:
         """Return the number of stored frames."""
@@ -87,3 +103,26 @@ class FrameStore:
 
     def _read(self, count: int, dtype: np.dtype[_Number]) -> NDArray[_Number]:
         return np.frombuffer(self._file.read(count * dtype.itemsize), dtype).copy()
+
+
+@contextmanager
+def _temporary_files() -> Iterator[None]:
+    """Turn errors of the system into a sentence about the temporary folder.
+
+    Raises:
+        InputError: no folder for temporary files can be written, or it is full.
+    """
+    try:
+        yield
+    except OSError as error:
+        reason = error.strerror or 'no folder can be written'
+        msg = f'no temporary file can hold the depth images ({reason}); set TMPDIR to a folder'
+        raise InputError(msg) from error
+
+
+def _hash(stamps: list[int], images: list[NDArray[np.float32]]) -> str:
+    content = hashlib.sha256(str(stamps).encode())
+    for image in images:
+        content.update(f'{image.shape}'.encode())
+        content.update(np.ascontiguousarray(image, '<f4').tobytes())
+    return content.hexdigest()

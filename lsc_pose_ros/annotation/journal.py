@@ -14,120 +14,162 @@
 # limitations under the License.
 """The journal of an annotation: each change is on the disk before the page is told so.
 
-It is a text of one JSON object a line. The first line names the recording; each further line has
-the labels of one frame, and the last line of a frame holds. A crash can cut the last line off,
-which is then left out.
+It is a text of one JSON object a line. The first line tells the content of the recording; each
+further line has the labels of one frame, and the last line of a frame holds.
+
+A crash can cut the last line off, which is then left out. Lines before it that are damaged are
+left out, too, and the damaged file is kept under another name.
 """
 
 import json
-import os
+from collections.abc import Collection
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any, NamedTuple
 
-from lsc_pose_ros.annotation.frame_labels import FrameLabels, from_json
+from lsc_pose_ros.annotation.frame_labels import FrameLabels, from_json, without_pixels
+from lsc_pose_ros.annotation.journal_file import JournalFile
 from lsc_pose_ros.errors import InputError
 
 FORMAT = 'lsc_pose annotation'
-VERSION = 1
+VERSION = 2
 
-Frames = dict[int, tuple[FrameLabels, bool]]
-"""By stamp in nanoseconds: the labels of a frame, and whether it is done."""
+
+class RecordingIdentity(NamedTuple):
+    """Which recording is annotated.
+
+    Attributes:
+        name: of its file, for messages; the file may be renamed.
+        content: the hash of its content, `FrameStore.content`.
+        stamps: of all of its frames, nanoseconds.
+    """
+
+    name: str
+    content: str
+    stamps: Collection[int]
 
 
 class Journal:
-    """Keeps the changes of an annotation."""
+    """Keeps the changes of an annotation.
 
-    def __init__(self, path: Path, recording: str, stamps: list[int]) -> None:
-        """Read what there is, and open the journal for more.
+    Attributes:
+        frames: by stamp in nanoseconds, the labels of a frame, and whether it is done.
+        warnings: what of the file could not be read.
+    """
+
+    def __init__(self, file: JournalFile, recording: RecordingIdentity) -> None:
+        """Read what the file has; if it is damaged, it is set aside and written anew.
 
         Args:
-            path: the file; it is made if it is not there.
-            recording: the name of the recording.
-            stamps: of all of its frames, nanoseconds.
+            file: is read and written.
+            recording: what is annotated.
 
         Raises:
-            InputError: the file is no journal, or that of another recording, or cannot be
-                written.
+            InputError: the file is the journal of another recording, or cannot be written.
         """
-        self.path = path
-        self.frames: Frames = {}
-        beginning = {
-            'format': FORMAT, 'version': VERSION, 'recording': recording,
-            'first': stamps[0], 'count': len(stamps),
-        }  # fmt: skip
-        try:
-            end = self._read(beginning) if path.exists() else 0
-            self._stream: BinaryIO = path.open('r+b' if end else 'wb')
-        except OSError as error:
-            msg = f'{path}: {error.strerror}'
-            raise InputError(msg) from error
-        self._stream.truncate(end)
-        self._stream.seek(end)
-        if not end:
-            self._append(beginning)
+        self.frames: dict[int, tuple[FrameLabels, bool]] = {}
+        self.warnings: list[str] = []
+        self._file, self._recording = file, recording
+        self._beginning = _line(
+            {
+                'format': FORMAT,
+                'version': VERSION,
+                'recording': recording.name,
+                'content': recording.content,
+            }
+        )
+        content = file.content()
+        # A crash can have cut off the first line; then there was no change yet.
+        self._is_empty = self._beginning.startswith(content)
+        if self._is_empty:
+            file.clear()
+        else:
+            self._read(content)
+
+    @property
+    def path(self) -> Path:
+        """The name of the file."""
+        return self._file.path
 
     def close(self) -> None:
         """Close the file."""
-        self._stream.close()
+        self._file.close()
 
-    def keep(self, stamp: int, bodies: list[dict[str, Any]], *, done: bool) -> None:
+    def keep(self, stamp: int, labels: FrameLabels, *, done: bool) -> None:
         """Keep the labels of a frame; they are on the disk when this returns.
 
         Args:
             stamp: of the frame, nanoseconds.
-            bodies: the labels, as `as_json` returns them.
+            labels: of the frame.
             done: whether the frame is done.
 
         Raises:
-            InputError: they are no labels, or the disk is full.
+            RefusedError: they cannot be written.
         """
-        labels = from_json(bodies)
-        try:
-            self._append({'stamp': stamp, 'bodies': bodies, 'done': done})
-        except OSError as error:
-            msg = f'{self.path}: {error.strerror}; the change is not kept'
-            raise InputError(msg) from error
+        line = _line({'stamp': stamp, 'bodies': without_pixels(labels), 'done': done})
+        self._file.append(self._beginning + line if self._is_empty else line)
+        self._is_empty = False
         self.frames[stamp] = labels, done
 
     def remove(self) -> None:
-        """Close and delete the journal, after the labelled recording is written."""
-        self._stream.close()
-        self.path.unlink(missing_ok=True)
+        """Close and delete the file, when all that it has is in a labelled recording."""
+        self._file.remove()
 
-    def _append(self, content: dict[str, Any]) -> None:
-        begin = self._stream.tell()
-        try:
-            self._stream.write(json.dumps(content).encode() + b'\n')
-            self._stream.flush()
-            os.fsync(self._stream.fileno())
-        except OSError:
-            self._stream.seek(begin)
-            self._stream.truncate(begin)
-            raise
+    def _read(self, content: bytes) -> None:
+        first, *lines = content.split(b'\n')
+        self._check_beginning(first)
+        cut_off = lines.pop() if lines else b''  # what follows the last line end
+        sound = [line for line in lines if self._take(line)]
+        if len(sound) < len(lines):
+            self.warnings.append(
+                f'{self.path}: {len(lines) - len(sound)} of {len(lines)} changes cannot be read, '
+                f'and are left out; the damaged file is kept as {self._file.set_aside()}'
+            )
+        if self._take(cut_off):  # only its line end is missing
+            sound.append(cut_off)
+        elif cut_off:
+            self.warnings.append(f'{self.path}: the last change was cut off, and is left out')
+        repaired = b''.join(line + b'\n' for line in (first, *sound))
+        if repaired != content:
+            self._file.replace(repaired)
 
-    def _read(self, beginning: dict[str, Any]) -> int:
-        """Read the file, and return where its last complete line ends."""
-        lines = self.path.read_bytes().split(b'\n')[:-1]  # what follows the last line end is cut
-        if not lines:
-            return 0
-        if _parsed(lines[0]) != beginning:
+    def _check_beginning(self, line: bytes) -> None:
+        beginning = _parsed(line)
+        remedy = 'move it away, or name another output with -o'
+        if not isinstance(beginning, dict) or beginning.get('format') != FORMAT:
+            msg = f'{self.path}: the first line is damaged; {remedy}'
+            raise InputError(msg)
+        if beginning.get('version') != VERSION:
+            msg = f'{self.path} is of another version of lsc_pose annotate; {remedy}'
+            raise InputError(msg)
+        if beginning.get('content') != self._recording.content:
+            name = str(beginning.get('recording'))[:200]
             msg = (
-                f'{self.path} is not the journal of this recording; move it away, or name another '
-                'output with -o'
+                f'{self.path} is the journal of another recording, {name}, or of one that '
+                f'was read with other options; {remedy}'
             )
             raise InputError(msg)
-        end = len(lines[0]) + 1
-        for line in lines[1:]:
-            entry = _parsed(line)
-            if not isinstance(entry, dict) or type(entry.get('stamp')) is not int:
-                break
-            self.frames[entry['stamp']] = from_json(entry.get('bodies')), entry.get('done') is True
-            end += len(line) + 1
-        return end
+
+    def _take(self, line: bytes) -> bool:
+        """Take the labels of a line, and return whether it has any."""
+        entry = _parsed(line)
+        if not isinstance(entry, dict) or type(entry.get('done')) is not bool:
+            return False
+        stamp = entry.get('stamp')
+        if type(stamp) is not int or stamp not in self._recording.stamps:
+            return False
+        try:
+            self.frames[stamp] = from_json(entry.get('bodies')), entry['done']
+        except InputError:
+            return False
+        return True
+
+
+def _line(content: dict[str, Any]) -> bytes:
+    return json.dumps(content).encode() + b'\n'
 
 
 def _parsed(line: bytes) -> Any:  # noqa: ANN401 - any JSON
     try:
         return json.loads(line)
-    except ValueError:
+    except (ValueError, RecursionError):
         return None

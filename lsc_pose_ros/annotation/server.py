@@ -29,14 +29,25 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
+from lsc_pose_ros.annotation.refusals import Reason, RefusedError
+from lsc_pose_ros.annotation.request_content import (
+    RequestError,
+    frame_number,
+    joint_request,
+    read_content,
+)
 from lsc_pose_ros.annotation.session import Session
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.resources.package_files import resource
 
 LOOPBACK = '127.0.0.1'
 
-LARGEST_REQUEST = 1_000_000
-"""No request has more bytes."""
+_STATUS = {
+    Reason.STALE: HTTPStatus.CONFLICT,
+    Reason.BEING_WRITTEN: HTTPStatus.LOCKED,
+    Reason.ENDED: HTTPStatus.GONE,
+    Reason.NO_STORAGE: HTTPStatus.INSUFFICIENT_STORAGE,
+}
 
 _HTML, _SCRIPT, _STYLE = (f'text/{kind}; charset=utf-8' for kind in ('html', 'javascript', 'css'))
 
@@ -61,6 +72,7 @@ class AnnotationServer(ThreadingHTTPServer):
         session: what the page works on.
         finish: is called when the page asks for the labelled recording; returns what to tell.
         colours: the style sheet with the colours of the page.
+        patience: how long a page may be silent within a request, seconds.
         summary: what `finish` has returned, empty before.
         ended: is set after the page was told the summary.
     """
@@ -68,7 +80,12 @@ class AnnotationServer(ThreadingHTTPServer):
     daemon_threads = True
 
     def __init__(
-        self, session: Session, finish: Callable[[], str], colours: str, port: int = 0
+        self,
+        session: Session,
+        finish: Callable[[], str],
+        colours: str,
+        port: int = 0,
+        patience: float = 30.0,
     ) -> None:
         """Listen.
 
@@ -77,13 +94,14 @@ class AnnotationServer(ThreadingHTTPServer):
             finish: writes the labelled recording.
             colours: the style sheet with the colours of the page.
             port: the port; 0 for any that is free.
+            patience: how long a page may be silent within a request, seconds.
 
         Raises:
             InputError: the port is taken.
         """
         self.token = secrets.token_urlsafe(16)
         self.session, self.finish, self.colours = session, finish, colours
-        self.summary, self.ended = '', threading.Event()
+        self.patience, self.summary, self.ended = patience, '', threading.Event()
         try:
             super().__init__((LOOPBACK, port), _Handler)
         except OSError as error:
@@ -91,13 +109,18 @@ class AnnotationServer(ThreadingHTTPServer):
             raise InputError(msg) from error
 
     @property
+    def port(self) -> int:
+        """The port."""
+        return self.server_port
+
+    @property
     def address(self) -> str:
         """The address of the page."""
-        return f'http://{LOOPBACK}:{self.server_port}/?token={self.token}'
+        return f'http://{LOOPBACK}:{self.port}/?token={self.token}'
 
     def answers_to(self, host: str) -> bool:
         """Return whether a request's host name is one of this computer."""
-        return host in {f'{name}:{self.server_port}' for name in (LOOPBACK, 'localhost')}
+        return host in {f'{name}:{self.port}' for name in (LOOPBACK, 'localhost')}
 
     def handle_error(self, request: Any, client_address: Any) -> None:  # noqa: ANN401
         """Say nothing of a page that was closed before it had its answer."""
@@ -108,12 +131,17 @@ class AnnotationServer(ThreadingHTTPServer):
 class _Handler(BaseHTTPRequestHandler):
     server: AnnotationServer
 
+    def setup(self) -> None:
+        """Set the time limit of the connection."""
+        super().setup()
+        self.connection.settimeout(self.server.patience)
+
     def do_GET(self) -> None:
         """Send a file, a frame, or a picture."""
-        path = urlsplit(self.path).path
-        if not self._is_allowed(path):
-            return
+        path = self._allowed_path()
         session = self.server.session
+        if path is None:
+            return
         if path in _FILES:
             name, kind = _FILES[path]
             self._send(resource('annotate', name).read_bytes(), kind)
@@ -122,66 +150,73 @@ class _Handler(BaseHTTPRequestHandler):
         elif path == '/recording':
             self._answer(session.recording)
         elif path.startswith('/frame/'):
-            self._answer(lambda: session.frame(_number(path)))
+            self._answer(lambda: session.frame(frame_number(path)))
         elif path.startswith('/depth/'):
-            self._answer(lambda: session.picture(_number(path)))
+            self._answer(lambda: session.picture(frame_number(path)))
         else:
             self.send_error(HTTPStatus.NOT_FOUND)
 
     def do_POST(self) -> None:
         """Place a joint, keep a frame, or finish."""
-        path = urlsplit(self.path).path
-        if not self._is_allowed(path):
+        path = self._allowed_path()
+        if path is None:
             return
-        actions: dict[str, Callable[[int, dict[str, Any]], object]] = {
-            '/place/': self._place,
-            '/keep/': self._keep,
-        }
         if path == '/finish':
             self._finish()
-            return
-        for beginning, action in actions.items():
-            if path.startswith(beginning):
-                self._answer(lambda: action(_number(path), self._content()))  # noqa: B023
-                return
-        self.send_error(HTTPStatus.NOT_FOUND)
+        elif path.startswith('/place/'):
+            self._answer(lambda: self._place(frame_number(path), self._content()))
+        elif path.startswith('/keep/'):
+            self._answer(lambda: self._keep(frame_number(path), self._content()))
+        else:
+            self.send_error(HTTPStatus.NOT_FOUND)
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002
         """Say nothing."""
 
+    def _content(self) -> dict[str, object]:
+        return read_content(self.headers, self.rfile)
+
     def _finish(self) -> None:
+        summary = ''
+
         def finish() -> dict[str, str]:
-            self.server.summary = self.server.finish()
-            return {'text': self.server.summary}
+            nonlocal summary
+            self._content()
+            summary = self.server.summary = self.server.finish()
+            return {'text': summary}
 
         try:
             self._answer(finish)
         finally:  # even if the page was closed meanwhile
-            if self.server.summary:
+            if summary:
                 self.server.ended.set()
 
-    def _place(self, number: int, content: dict[str, Any]) -> dict[str, Any]:
-        session = self.server.session
+    def _place(self, number: int, content: dict[str, object]) -> dict[str, Any]:
+        session, wanted = self.server.session, joint_request(content)
+        if wanted.depth is not None:
+            return session.at_depth(number, wanted.pixel, wanted.depth)
+        return session.place(number, wanted.body, wanted.joint, wanted.pixel)
+
+    def _keep(self, number: int, content: dict[str, object]) -> dict[str, Any]:
+        return self.server.session.keep(
+            number,
+            content.get('bodies'),
+            done=content.get('done') is True,
+            revision=content.get('revision'),
+        )
+
+    def _allowed_path(self) -> str | None:
+        """Return the path of the address, None if the request is refused."""
         try:
-            column, row = (float(value) for value in content['pixel'])
-            if content.get('depth') is not None:
-                return session.at_depth(number, (column, row), float(content['depth']))
-            joint = str(content['joint'])
-            return session.place(number, int(content['body']), joint, (column, row))
-        except (KeyError, TypeError, ValueError) as error:
-            msg = 'a joint is placed by pixel, body and joint, or by pixel and depth'
-            raise InputError(msg) from error
+            parts = urlsplit(self.path)
+            given = parse_qs(parts.query).get('token', [''])[0]
+        except ValueError:
+            self.send_error(HTTPStatus.BAD_REQUEST, 'This is no address')
+            return None
+        return parts.path if self._is_allowed(parts.path, given) else None
 
-    def _keep(self, number: int, content: dict[str, Any]) -> dict[str, Any]:
-        bodies, done = content.get('bodies'), content.get('done') is True
-        if not isinstance(bodies, list):
-            msg = 'a frame is kept with its bodies'
-            raise InputError(msg)
-        return self.server.session.keep(number, bodies, done=done)
-
-    def _is_allowed(self, path: str) -> bool:
+    def _is_allowed(self, path: str, given: str) -> bool:
         """Return whether the request may be answered; else refuse it."""
-        given = parse_qs(urlsplit(self.path).query).get('token', [''])[0]
         given = given or self.headers.get('X-Token', '')
         # Scripts and styles have no secret, and the page asks for them without the token.
         known = path == _COLOURS or (path in _FILES and path != '/')
@@ -191,32 +226,24 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_error(HTTPStatus.FORBIDDEN, 'Use the address that lsc_pose annotate prints')
         return False
 
-    def _content(self) -> dict[str, Any]:
-        length = int(self.headers.get('Content-Length') or 0)
-        if not 0 < length <= LARGEST_REQUEST:
-            msg = f'a request has 1 to {LARGEST_REQUEST} bytes'
-            raise InputError(msg)
-        try:
-            content = json.loads(self.rfile.read(length))
-        except ValueError as error:
-            msg = 'the request is no JSON'
-            raise InputError(msg) from error
-        if not isinstance(content, dict):
-            msg = 'the request is no JSON object'
-            raise InputError(msg)
-        return content
-
     def _answer(self, answer: Callable[[], object]) -> None:
+        status = HTTPStatus.OK
         try:
             result = answer()
         except InputError as error:
-            content = json.dumps({'error': str(error)}).encode()
-            self._send(content, 'application/json', HTTPStatus.BAD_REQUEST)
-            return
+            status, result = _status(error), {'error': str(error)}
+        except TimeoutError:
+            status, result = HTTPStatus.REQUEST_TIMEOUT, {'error': 'the request does not end'}
+        except ConnectionError:
+            raise
+        except Exception as error:  # noqa: BLE001 - the last resort: the page shows it
+            status = HTTPStatus.INTERNAL_SERVER_ERROR
+            result = {'error': f'{type(error).__name__}: {error}'}
         if isinstance(result, bytes):
             self._send(result, 'image/png')
         else:
-            self._send(json.dumps(result).encode(), 'application/json')
+            content = json.dumps(result, allow_nan=False).encode()
+            self._send(content, 'application/json', status)
 
     def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
         self.send_response(status)
@@ -233,14 +260,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
 
-def _number(path: str) -> int:
-    """Return the number at the end of a path.
-
-    Raises:
-        InputError: there is none.
-    """
-    word = path.rsplit('/', 1)[1]
-    if not (word.isascii() and word.isdigit() and len(word) < 10):
-        msg = 'the address has no number of a frame'
-        raise InputError(msg)
-    return int(word)
+def _status(error: InputError) -> HTTPStatus:
+    if isinstance(error, RequestError):
+        return error.status
+    return _STATUS[error.reason] if isinstance(error, RefusedError) else HTTPStatus.BAD_REQUEST

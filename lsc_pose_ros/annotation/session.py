@@ -16,27 +16,34 @@
 
 import threading
 from collections.abc import Callable, Mapping
+from collections.abc import Set as AbstractSet
+from enum import Enum, auto
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from lsc_pose_ros.annotation.depth_picture import depth_picture
 from lsc_pose_ros.annotation.frame_labels import (
     FARTHEST,
     NEAREST,
     FrameLabels,
-    as_json,
+    from_json,
     joint_at,
     labels_of,
     people_box,
     position_at,
     skeletons_from,
+    with_pixels,
 )
 from lsc_pose_ros.annotation.frame_store import FrameStore
 from lsc_pose_ros.annotation.journal import Journal
+from lsc_pose_ros.annotation.labelled_recording import WrittenRecording
+from lsc_pose_ros.annotation.refusals import Reason, RefusedError
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS, drawn_edges
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.labels.tracks import skeletons_of
 
 LIMBS = [[JOINT_NAMES[end] for end in edge] for edge in drawn_edges(range(len(JOINT_NAMES)))]
 """The lines of a skeleton, as pairs of joints."""
@@ -45,8 +52,18 @@ Start = Callable[[Frame], Skeletons]
 """Returns the skeletons with which a frame begins that has no labels."""
 
 
+class _State(Enum):
+    OPEN = auto()
+    BEING_WRITTEN = auto()
+    ENDED = auto()
+
+
 class Session:
-    """An annotation; its methods can be called from any thread."""
+    """An annotation; its methods can be called from any thread.
+
+    Each frame has a revision, which a change makes larger. A page says which one it has changed,
+    so that it does not replace what another page has done meanwhile.
+    """
 
     def __init__(
         self,
@@ -68,6 +85,8 @@ class Session:
         self._earlier = dict(earlier or {})
         self._name, self._store, self._journal, self._start = name, store, journal, start
         self._begun: dict[int, FrameLabels] = {}
+        self._revisions: dict[int, int] = {}
+        self._state = _State.OPEN
         self._lock = threading.Lock()
 
     def recording(self) -> dict[str, Any]:
@@ -96,9 +115,10 @@ class Session:
                 'number': number,
                 'width': width,
                 'height': height,
+                'revision': self._revisions.get(frame.stamp, 0),
                 'done': self._is_done(frame.stamp),
                 'people': people_box(frame.labels),
-                'bodies': as_json(self._labels(frame), frame.camera),
+                'bodies': with_pixels(self._labels(frame), frame.camera),
             }
 
     def picture(self, number: int) -> bytes:
@@ -125,7 +145,7 @@ class Session:
                 msg = f'frame {self._store.numbers[number]} has no body {body}'
                 raise InputError(msg)
             placed = joint_at(pixel, index, frame, labels[body].positions[index])
-            return {'position': placed.position.tolist(), 'depthFrom': placed.depth_from}
+            return {**_position(placed.position), 'depthFrom': placed.depth_from}
 
     def at_depth(self, number: int, pixel: tuple[float, float], z: float) -> dict[str, Any]:
         """Return the point at depth `z`, metres, that a pixel of a frame shows.
@@ -137,28 +157,103 @@ class Session:
             msg = f'the depth must be {NEAREST:g} to {FARTHEST:g} m'
             raise InputError(msg)
         with self._lock:
-            position = position_at(pixel, z, self._frame(number).camera)
-            return {'position': position.tolist()}
+            return _position(position_at(pixel, z, self._frame(number).camera))
 
-    def keep(self, number: int, bodies: list[dict[str, Any]], *, done: bool) -> dict[str, Any]:
+    def keep(self, number: int, bodies: object, *, done: bool, revision: object) -> dict[str, Any]:
         """Keep the labels of a frame, and return them as `frame` does.
 
+        Args:
+            number: of the frame.
+            bodies: its labels, as `frame` returns them.
+            done: whether the frame is done.
+            revision: that of the labels that were changed.
+
         Raises:
-            InputError: they are no labels, or cannot be written.
+            InputError: they are no labels.
+            RefusedError: another page has changed the frame meanwhile, the recording is being
+                written or is written, or the disk is full.
         """
+        labels = from_json(bodies)
         with self._lock:
             stamp = self._frame(number).stamp
-            self._journal.keep(stamp, bodies, done=done)
+            self._refuse_unless_open('the change is not kept')
+            if type(revision) is not int or revision != self._revisions.get(stamp, 0):
+                msg = (
+                    f'frame {self._store.numbers[number]} was changed on another page meanwhile; '
+                    'the change is not kept'
+                )
+                raise RefusedError(msg, Reason.STALE)
+            self._journal.keep(stamp, labels, done=done)
+            self._revisions[stamp] = self._revisions.get(stamp, 0) + 1
         return self.frame(number)
 
-    def finished(self) -> dict[int, Skeletons]:
-        """Return the labels of the frames that are done, by their stamps."""
+    def finish(self, write: Callable[[Mapping[int, Skeletons]], WrittenRecording]) -> str:
+        """Write the labelled recording, and return what to tell of it.
+
+        Nothing is kept meanwhile, nor after it. The journal is deleted if the recording has all
+        that it holds; else it stays.
+
+        Args:
+            write: writes the recording with labels by their stamps.
+
+        Raises:
+            InputError: no frame is done, or the recording cannot be written; then the annotation
+                goes on.
+            RefusedError: the recording is being written already, or is written.
+        """
         with self._lock:
-            return self._earlier | {
-                stamp: skeletons_from(labels)
-                for stamp, (labels, done) in self._journal.frames.items()
-                if done
-            }
+            self._refuse_unless_open('it is not written again')
+            finished = self._finished()
+            if not finished:
+                msg = 'no frame is done yet: press Enter on each frame whose joints are right'
+                raise InputError(msg)
+            self._state = _State.BEING_WRITTEN
+        try:
+            written = write(finished)
+        except BaseException:
+            with self._lock:
+                if self._state is _State.BEING_WRITTEN:
+                    self._state = _State.OPEN
+            raise
+        with self._lock:
+            self._state = _State.ENDED
+            return written.text + self._end(written.complete)
+
+    def close(self) -> None:
+        """End the annotation; nothing is kept after it."""
+        with self._lock:
+            self._state = _State.ENDED
+            self._journal.close()
+
+    def _refuse_unless_open(self, consequence: str) -> None:
+        if self._state is _State.BEING_WRITTEN:
+            msg = f'the recording is being written; {consequence}'
+            raise RefusedError(msg, Reason.BEING_WRITTEN)
+        if self._state is _State.ENDED:
+            msg = f'the annotation has ended; {consequence}. Start the command again to go on'
+            raise RefusedError(msg, Reason.ENDED)
+
+    def _finished(self) -> dict[int, Skeletons]:
+        """Return the labels of the frames that are done, by their stamps."""
+        return self._earlier | {
+            stamp: skeletons_from(labels)
+            for stamp, (labels, done) in self._journal.frames.items()
+            if done
+        }
+
+    def _end(self, complete: AbstractSet[int]) -> str:
+        """Delete the journal if the recording has all of it; return what to tell if not."""
+        kept = self._journal.frames
+        missing = [stamp for stamp, (_, done) in kept.items() if not done or stamp not in complete]
+        if not missing:
+            self._journal.remove()
+            return ''
+        self._journal.close()
+        count = 'frame is' if len(missing) == 1 else 'frames are'
+        return (
+            f'; {len(missing)} changed {count} not done, or not in it with all bodies, and '
+            f'{"stays" if len(missing) == 1 else "stay"} in {self._journal.path}'
+        )
 
     def _frame(self, number: int) -> Frame:
         if not 0 <= number < len(self._store):
@@ -181,18 +276,11 @@ class Session:
         return self._begun[frame.stamp]
 
 
-class AnnotatedFrames:
-    """The finished labels as a source for `write_labelled_copy`."""
-
-    warnings: tuple[str, ...] = ()
-
-    def __init__(self, finished: dict[int, Skeletons]) -> None:
-        """Use labels by stamp."""
-        self._finished = finished
-
-    def at(self, number: int, frame: Frame) -> Skeletons:  # noqa: ARG002 - stamps are enough
-        """Return the labelled bodies of a frame; as `LabelSource.at`."""
-        return self._finished.get(frame.stamp, skeletons_of({}))
+def _position(position: NDArray[np.float64]) -> dict[str, Any]:
+    if not np.isfinite(position).all():
+        msg = 'no joint can be there: the pixel is outside of the field of the lens'
+        raise InputError(msg)
+    return {'position': position.tolist()}
 
     def why_none(self, number: int, frame: Frame) -> str:  # noqa: ARG002
         """Return why a frame has no label; as `LabelSource.why_none`."""

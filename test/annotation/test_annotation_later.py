@@ -14,13 +14,12 @@
 # limitations under the License.
 """An annotation is written, and gone on with later."""
 
-import http.client
-import json
 import signal
 import socket
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -34,25 +33,22 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 
 sys.path.insert(0, str(Path(__file__).parent))
 from annotation_program import AnnotationProgram
+from annotation_requests import ask
 
 
-def request(program, method: str, path: str, content: object = None) -> object:
+def request(program, method: str, path: str, content: object = None) -> Any:
     """Return the JSON of an answer."""
-    connection = http.client.HTTPConnection('127.0.0.1', program.port)
-    body = None if content is None else json.dumps(content)
-    connection.request(method, path, body, {'X-Token': program.token})
-    answer = connection.getresponse()
-    text = answer.read()
-    assert answer.status == 200, text
-    return json.loads(text)
+    status, answer = ask(program, method, path, content)
+    assert status == 200, answer
+    return answer
 
 
 def accept(program, number: int, *, right: float = 0.0) -> None:
     """Say that a frame is done, after its heads are moved to the right by so many metres."""
-    bodies = request(program, 'GET', f'/frame/{number}')['bodies']
-    for body in bodies:
+    frame = request(program, 'GET', f'/frame/{number}')
+    for body in frame['bodies']:
         body['joints']['head']['position'][0] += right
-    request(program, 'POST', f'/keep/{number}', {'bodies': bodies, 'done': True})
+    request(program, 'POST', f'/keep/{number}', frame | {'done': True})
 
 
 def finish(program) -> str:
@@ -153,8 +149,9 @@ def ask_to_finish(server: AnnotationServer) -> socket.socket:
         'POST /finish HTTP/1.0',
         f'Host: 127.0.0.1:{server.server_port}',
         f'X-Token: {server.token}',
+        'Content-Length: 2',
     )
-    connection.sendall(''.join(f'{line}\r\n' for line in (*lines, '')).encode())
+    connection.sendall(''.join(f'{line}\r\n' for line in (*lines, '')).encode() + b'{}')
     assert connection.recv(12).endswith(b'200')
     return connection
 

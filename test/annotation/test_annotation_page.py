@@ -143,11 +143,11 @@ def test_a_body_can_be_copied_added_and_removed(page, recording, tmp_path) -> No
     np.testing.assert_allclose(pixel_of(page, HAND), first, atol=0.01)
     # Nothing is done, so there is nothing to write.
     click(page, '#finish')
-    assert text_of(page, '#message').startswith('no frame is done')
+    assert text_of(page, '#message').startswith('No frame is done')
     status, _, err = program.end(signal.SIGINT)
     assert status == 130, err
     lines = Path(f'{tmp_path}/labelled.mcap.journal').read_text().splitlines()
-    assert json.loads(lines[0])['count'] == FRAMES
+    assert json.loads(lines[0])['recording'] == recording.name
     assert len(lines) > 3
 
 

@@ -12,10 +12,8 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
-"""What the server of the page refuses, and what the journal survives."""
+"""What the server of the page answers and refuses, and how labels are converted."""
 
-import http.client
-import json
 import signal
 import sys
 from pathlib import Path
@@ -28,14 +26,13 @@ from lsc_pose_ros.annotation.frame_labels import (
     FARTHEST,
     SURFACE,
     USUAL,
-    as_json,
     from_json,
     joint_at,
     labels_of,
     skeletons_from,
+    with_pixels,
 )
 from lsc_pose_ros.annotation.frame_store import FrameStore
-from lsc_pose_ros.annotation.journal import Journal
 from lsc_pose_ros.bags import RecordingWriter
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NAMES, JOINT_NUMBERS
@@ -45,8 +42,8 @@ from lsc_pose_ros.labels.sources.keypoints import SURFACE_TO_JOINT
 
 sys.path.insert(0, str(Path(__file__).parent))
 from annotation_program import AnnotationProgram
+from annotation_requests import ask, keep
 
-STAMPS = [10, 20, 30]
 HEAD = {'head': {'position': [0.1, 0.2, 2.0], 'hidden': False}}
 
 
@@ -70,16 +67,6 @@ def program(recording):
     program = AnnotationProgram(recording, recording.with_name('labelled.mcap'))
     yield program
     program.end(signal.SIGINT)
-
-
-def ask(program, method, path, body=None, **headers):
-    """Return status and JSON, or the text, of an answer."""
-    connection = http.client.HTTPConnection('127.0.0.1', program.port)
-    connection.request(method, path, body, {'X-Token': program.token} | headers)
-    answer = connection.getresponse()
-    content = answer.read()
-    is_json = answer.getheader('Content-Type') == 'application/json'
-    return answer.status, json.loads(content) if is_json else content
 
 
 def test_the_labels_of_the_recording_are_the_beginning(program, simple_frames) -> None:
@@ -107,7 +94,7 @@ def test_the_labels_of_the_recording_are_the_beginning(program, simple_frames) -
 )
 def test_strangers_are_refused(program, headers, path) -> None:
     assert ask(program, 'GET', path, **headers)[0] == 403
-    assert ask(program, 'POST', '/keep/0', json.dumps({'bodies': []}), **headers)[0] == 403
+    assert ask(program, 'POST', '/keep/0', {'bodies': []}, **headers)[0] == 403
 
 
 @pytest.mark.parametrize(
@@ -123,21 +110,19 @@ def test_strangers_are_refused(program, headers, path) -> None:
         ('/place/0', {'pixel': [1, 2], 'body': 9, 'joint': 'head'}, 'body 9'),
         ('/place/0', {'pixel': [1, 2], 'body': 1, 'joint': 'tail'}, 'tail'),
         ('/place/0', {'pixel': [1, 2], 'depth': 999}, 'the depth must be 0.1 to 100 m'),
-        ('/place/0', {'pixel': [1, 2], 'depth': float('nan')}, 'the depth must be 0.1 to 100 m'),
         ('/keep/0', {'bodies': bodies(joints={'head': {'position': [0, 0, 999]}})}, '100 m'),
         ('/finish', {}, 'no frame is done'),
     ],
 )
 def test_a_wrong_request_gets_a_sentence(program, path, content, word) -> None:
-    status, answer = ask(program, 'POST', path, json.dumps(content))
+    status, answer = ask(program, 'POST', path, content)
     assert status == 400
     assert word in answer['error']
 
 
 def test_ctrl_c_ends_with_one_line_and_keeps_all(recording, tmp_path) -> None:
     program = AnnotationProgram(recording, tmp_path / 'labelled.mcap')
-    status, _ = ask(program, 'POST', '/keep/2', json.dumps({'bodies': bodies(), 'done': True}))
-    assert status == 200
+    assert keep(program, 2, bodies())[0] == 200
     status, _, err = program.end(signal.SIGINT)
     assert status == 130
     assert len(err.splitlines()) == 1
@@ -147,38 +132,6 @@ def test_ctrl_c_ends_with_one_line_and_keeps_all(recording, tmp_path) -> None:
         assert ask(program, 'GET', '/frame/2')[1]['bodies'][0]['joints'].keys() == {'head'}
     finally:
         program.end(signal.SIGINT)
-
-
-def test_the_journal_survives_a_cut_at_any_byte(tmp_path) -> None:
-    path = tmp_path / 'journal'
-    journal = Journal(path, 'bag', STAMPS)
-    for number, stamp in enumerate(STAMPS):
-        journal.keep(stamp, bodies(number + 1), done=True)
-    journal.close()
-    content = path.read_bytes()
-    for length in range(len(content) + 1):
-        path.write_bytes(content[:length])
-        journal = Journal(path, 'bag', STAMPS)
-        whole = max(content[:length].count(b'\n') - 1, 0)
-        assert list(journal.frames) == STAMPS[:whole]
-        journal.keep(30, bodies(7), done=False)
-        journal.close()
-        again = Journal(path, 'bag', STAMPS)
-        assert list(again.frames[30][0]) == [7]
-        again.close()
-
-
-def test_the_journal_of_another_recording_is_refused(tmp_path) -> None:
-    Journal(tmp_path / 'journal', 'bag', STAMPS).close()
-    before = (tmp_path / 'journal').read_bytes()
-    for name, stamps in (('other', STAMPS), ('bag', STAMPS[:2]), ('bag', [11, 20, 30])):
-        with pytest.raises(InputError, match='not the journal of this recording'):
-            Journal(tmp_path / 'journal', name, stamps)
-    (tmp_path / 'notes').write_text('my own notes\n')
-    with pytest.raises(InputError, match='not the journal'):
-        Journal(tmp_path / 'notes', 'bag', STAMPS)
-    assert (tmp_path / 'journal').read_bytes() == before
-    assert (tmp_path / 'notes').read_text() == 'my own notes\n'
 
 
 @pytest.mark.parametrize(
@@ -206,7 +159,7 @@ def test_wrong_labels_are_refused(wrong) -> None:
 
 def test_labels_are_the_same_after_each_conversion(simple_frames) -> None:
     frame = simple_frames[3]
-    labels = from_json(as_json(labels_of(frame.ground_truth), frame.camera))
+    labels = from_json(with_pixels(labels_of(frame.ground_truth), frame.camera))
     found, truth = skeletons_from(labels), frame.ground_truth
     assert found.bodies.tolist() == truth.bodies.tolist()
     np.testing.assert_allclose(found.positions[:, truth.joints], truth.positions, rtol=1e-6)
@@ -214,7 +167,7 @@ def test_labels_are_the_same_after_each_conversion(simple_frames) -> None:
     assert known.sum() == np.isfinite(truth.positions).all(axis=-1).sum()
     np.testing.assert_array_equal(found.visibility, np.where(known, SEEN, UNKNOWN))
     labels[1].hidden[JOINT_NUMBERS['head']] = True
-    hidden = skeletons_from(from_json(as_json(labels, frame.camera)))
+    hidden = skeletons_from(from_json(with_pixels(labels, frame.camera)))
     assert (hidden.visibility == HIDDEN).sum() == 1
 
 

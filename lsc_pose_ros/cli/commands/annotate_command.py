@@ -15,7 +15,6 @@
 """`lsc_pose annotate`: labels a recording by hand, in a browser."""
 
 import argparse
-import os
 import sys
 import threading
 import webbrowser
@@ -26,10 +25,12 @@ from pathlib import Path
 
 from lsc_pose_ros.annotation.earlier_labels import earlier_labels
 from lsc_pose_ros.annotation.frame_store import FrameStore
-from lsc_pose_ros.annotation.journal import Journal
+from lsc_pose_ros.annotation.journal import Journal, RecordingIdentity
+from lsc_pose_ros.annotation.journal_file import JournalFile
+from lsc_pose_ros.annotation.labelled_recording import OutputGuard, write_labelled_recording
 from lsc_pose_ros.annotation.server import AnnotationServer
-from lsc_pose_ros.annotation.session import AnnotatedFrames, Session
-from lsc_pose_ros.bags import RecordingWriter, open_recording
+from lsc_pose_ros.annotation.session import Session
+from lsc_pose_ros.bags import open_recording
 from lsc_pose_ros.bags.storage.writer import RECORDING
 from lsc_pose_ros.cli.commands.label_command import open_unturned
 from lsc_pose_ros.cli.options.numbers import positive_int
@@ -40,7 +41,6 @@ from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.files.output_place import is_written_through
-from lsc_pose_ros.labels.labelled_copy import LabelCounts, write_labelled_copy
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
@@ -105,20 +105,34 @@ def run(arguments: argparse.Namespace) -> int:
         msg = f'--port is {arguments.port}; give 0 to {_LARGEST_PORT}'
         raise InputError(msg)
     check_outputs([Output(arguments.output, RECORDING)], [arguments.recording])
+    if is_written_through(arguments.output):
+        msg = f'{arguments.output} cannot be read again to go on; give -o a file'
+        raise InputError(msg)
+    # Locked before the labels of the output are read, which another process could write else.
+    with closing(JournalFile(Path(f'{arguments.output}{JOURNAL_SUFFIX}'))) as file:
+        return _annotate(arguments, file)
+
+
+def _annotate(arguments: argparse.Namespace, file: JournalFile) -> int:
+    if not file.is_locked:
+        _warn(f'{file.path} cannot be locked; do not annotate this output twice at once')
+    output = OutputGuard(arguments.output, file.path)
     estimator = Estimator(load_model(find_model(arguments.model)))
     store = _read_frames(arguments)
     earlier = _read_earlier(arguments, store)
-    path = Path(f'{arguments.output}{JOURNAL_SUFFIX}')
-    with closing(Journal(path, arguments.recording.name, store.all_stamps)) as journal:
-        session = Session(
-            arguments.recording.name,
-            store,
-            journal,
-            lambda frame: estimator.estimate(frame.depth, frame.labels, frame.camera),
-            earlier,
-        )
-        summary = _serve(arguments, session, journal)
-    print(summary, flush=True)
+    name = arguments.recording.name
+    journal = Journal(file, RecordingIdentity(name, store.content, frozenset(store.all_stamps)))
+    for warning in journal.warnings:
+        _warn(warning)
+    session = Session(
+        name,
+        store,
+        journal,
+        lambda frame: estimator.estimate(frame.depth, frame.labels, frame.camera),
+        earlier,
+    )
+    with closing(session):
+        print(_serve(arguments, session, output), flush=True)
     return 0
 
 
@@ -128,14 +142,14 @@ def _read_frames(arguments: argparse.Namespace) -> FrameStore:
     frames = progress(reader, reader.count, 'reading')
     store = FrameStore(frames, arguments.every)
     for warning in reader.warnings:
-        print(f'lsc_pose: warning: {warning}', file=sys.stderr)
+        _warn(warning)
     return store
 
 
 def _read_earlier(arguments: argparse.Namespace, store: FrameStore) -> Mapping[int, Skeletons]:
     """Return the labels of the output that there is already, by stamp."""
     output = arguments.output
-    if is_written_through(output) or not output.exists():
+    if not output.exists():
         return {}
     settings = replace(settings_from(arguments, FrameSettings), camera_roll='0', segmentation=MASK)
     try:
@@ -155,19 +169,21 @@ def _read_earlier(arguments: argparse.Namespace, store: FrameStore) -> Mapping[i
     return earlier
 
 
-def _serve(arguments: argparse.Namespace, session: Session, journal: Journal) -> str:
+def _serve(arguments: argparse.Namespace, session: Session, output: OutputGuard) -> str:
     """Serve the page until the recording is written, and return what this contains."""
 
     def finish() -> str:
-        text = _write(arguments, session)
-        journal.remove()
-        return text
+        return session.finish(
+            lambda labels: write_labelled_recording(open_unturned(arguments), labels, output)
+        )
 
     server = AnnotationServer(session, finish, colour_sheet(), arguments.port)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     print(f'Annotate at {server.address}', flush=True)
     print(
-        f'Ctrl-C stops. What was done is in {journal.path}; the same command goes on.', flush=True
+        f'Ctrl-C stops. What was done is in {arguments.output}{JOURNAL_SUFFIX}; the same command '
+        'goes on.',
+        flush=True,
     )
     if arguments.browser:
         webbrowser.open(server.address)
@@ -180,21 +196,5 @@ def _serve(arguments: argparse.Namespace, session: Session, journal: Journal) ->
     return server.summary
 
 
-def _write(arguments: argparse.Namespace, session: Session) -> str:
-    """Write the labelled recording, and return what it contains."""
-    finished = session.finished()
-    if not finished:
-        msg = 'no frame is done yet: press Enter on each frame whose joints are right'
-        raise InputError(msg)
-    counts = LabelCounts()
-    reader = open_unturned(arguments)
-    with RecordingWriter(arguments.output) as writer:
-        for _ in write_labelled_copy(reader, AnnotatedFrames(finished), writer, counts):
-            pass
-    text = (
-        f'{os.fspath(arguments.output)}: {counts.frames} frames, {counts.labelled} of them '
-        f'labelled, {counts.bodies} bodies'
-    )
-    if counts.unmatched:
-        text += f'; {counts.unmatched} bodies were left out, because no mask shows them'
-    return text
+def _warn(text: str) -> None:
+    print(f'lsc_pose: warning: {text}', file=sys.stderr, flush=True)

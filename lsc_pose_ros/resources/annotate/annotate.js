@@ -5,7 +5,7 @@
 
 import { act, say } from './actions.js';
 import { draw } from './drawing.js';
-import { accept, copyPrevious, goTo, redo, show, step, undo } from './frames.js';
+import { accept, copyPrevious, goTo, redo, refresh, show, step, undo } from './frames.js';
 import {
   addBody, nudge, removeBody, removeJoint, select, setDepth, shiftDepth, toggleHidden,
 } from './joints.js';
@@ -64,6 +64,7 @@ for (const [id, action] of Object.entries({
 
 element('finish').addEventListener('click', () => act(async () => {
   const { text } = await ask('finish', {});
+  state.isWritten = true;
   say(`${text}. This page can be closed.`, true);
 }));
 element('joint').addEventListener('change', (event) => select(placeOf(event.target.value)));
@@ -79,6 +80,9 @@ element('hidden').addEventListener('change', () => act(toggleHidden));
 element('panel').addEventListener('submit', (event) => event.preventDefault());
 window.addEventListener('resize', () => {
   if (state.picture) draw();
+});
+document.addEventListener('visibilitychange', () => {
+  if (!document.hidden && state.picture) act(refresh);
 });
 listenToPointer();
 

@@ -15,6 +15,7 @@ export async function show(number) {
   const before = state.picture;
   const address = await picture(number);
   Object.assign(state, frame, { picture: address, undone: [], past: [] });
+  state.recording.done[number] = frame.done;
   if (!jointOf(state.selected)) state.selected = null;
   beginFrame();
   draw();
@@ -27,23 +28,46 @@ function take(frame) {
   drawSelected();
 }
 
+// If another page has changed the frame meanwhile, the frame is shown as it is there.
+async function send(bodies, done) {
+  try {
+    take(await ask(`keep/${state.number}`, { bodies, done, revision: state.revision }));
+  } catch (error) {
+    if (error.isStale) await show(state.number);
+    throw error;
+  }
+}
+
+// Shows what other pages have done since.
+export async function refresh() {
+  if (state.isWritten) return '';
+  state.recording = await ask('recording');
+  const { revision } = await ask(`frame/${state.number}`);
+  if (revision === state.revision) {
+    draw();
+    return '';
+  }
+  await show(state.number);
+  return `Frame ${recorded(state.number)} was changed on another page; it is shown as it is there.`;
+}
+
 export async function keep(bodies, done = state.done) {
   const before = copyOf(state.bodies);
-  take(await ask(`keep/${state.number}`, { bodies, done }));
+  await send(bodies, done);
   state.past.push(before);
   state.undone = [];
   draw();
 }
 
 export async function accept() {
-  take(await ask(`keep/${state.number}`, { bodies: state.bodies, done: true }));
+  await send(state.bodies, true);
   if (state.number + 1 < state.recording.done.length) await show(state.number + 1);
 }
 
 async function goBack(from, to) {
   if (!from.length) return;
   const before = copyOf(state.bodies);
-  take(await ask(`keep/${state.number}`, { bodies: from.at(-1), done: state.done }));
+  await send(from.at(-1), state.done);
   from.pop();
   to.push(before);
   draw();

@@ -8,6 +8,10 @@ const token = new URLSearchParams(location.search).get('token') || '';
 const ENDED = 'The command no longer runs; start it again and open the new address.';
 const STRANGE = 'This address is that of an earlier command; open the one that it prints now.';
 
+// The server's sentences are those of the command line, which begin small; names of files stay.
+const sentence = (text) => `${text.replace(/^[a-z]+(?= )/, (word) => (
+  word.charAt(0).toUpperCase() + word.slice(1)))}.`;
+
 async function answerTo(path, options = {}) {
   let response;
   try {
@@ -18,7 +22,9 @@ async function answerTo(path, options = {}) {
   if (response.status === 403) throw new Error(STRANGE);
   if (response.ok) return response;
   const { error } = await response.json().catch(() => ({}));
-  throw new Error(error || response.statusText);
+  throw Object.assign(new Error(sentence(error || response.statusText)), {
+    isStale: response.status === 409,
+  });
 }
 
 export async function ask(path, content) {

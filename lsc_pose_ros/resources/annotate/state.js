@@ -8,6 +8,8 @@ export const state = {
   number: 0,               // of the frame, among those to label
   width: 1, height: 1, done: false,
   people: null,            // left, top, right and bottom of the mask of all people
+  revision: 0,             // of the labels, which each change of any page makes larger
+  isWritten: false,        // whether the recording is written, and the command has ended
   bodies: [],              // the labels of the frame, as the server gives them
   picture: '',             // the address of the depth image
   selected: null,          // { body, joint }

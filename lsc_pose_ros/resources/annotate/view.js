@@ -54,14 +54,15 @@ export function beginFrame() {
   else if (mode === 'whole' || size !== before) whole();
 }
 
-// Shows `factor` times as much in detail; `pixel` stays where it is.
+// Shows `factor` times as much in detail; `pixel` stays where it is. Returns whether only a part
+// of the image is shown.
 export function zoom(factor, pixel) {
   const seen = shown();
   const least = CLOSEST / Math.min(seen.width, seen.height);
   const share = Math.max(1 / factor, least);
   if (seen.width * share >= state.width && seen.height * share >= state.height) {
     whole();
-    return;
+    return false;
   }
   mode = 'same';
   const [x, y] = pixel || [seen.x + seen.width / 2, seen.y + seen.height / 2];
@@ -70,6 +71,7 @@ export function zoom(factor, pixel) {
     width: seen.width * share, height: seen.height * share,
   };
   keepImageInside();
+  return true;
 }
 
 export function pan(right, down) {
