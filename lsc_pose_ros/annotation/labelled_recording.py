@@ -114,8 +114,14 @@ def write_labelled_recording(
         output.check()
     text = (
         f'{os.fspath(output.path)}: {counts.frames} frames, {counts.labelled} of them '
-        f'labelled, {counts.bodies} bodies'
+        f'labelled, {_bodies(counts.bodies)}'
     )
-    if counts.unmatched:
+    if counts.unmatched == 1:
+        text += '; 1 body was left out, because no mask shows it'
+    elif counts.unmatched:
         text += f'; {counts.unmatched} bodies were left out, because no mask shows them'
     return WrittenRecording(text, frozenset(complete))
+
+
+def _bodies(count: int) -> str:
+    return f'{count} {"body" if count == 1 else "bodies"}'

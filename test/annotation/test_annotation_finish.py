@@ -134,7 +134,7 @@ def test_a_change_during_the_writing_or_after_it_is_refused(work) -> None:
 
     text = while_it_is_written(work, change)
     assert reasons == [Reason.BEING_WRITTEN, Reason.BEING_WRITTEN]
-    assert text == f'{work.output}: 10 frames, 1 of them labelled, 1 bodies'
+    assert text == f'{work.output}: 10 frames, 1 of them labelled, 1 body'
     assert refusal(lambda: work.keep(1, 0.2)) is Reason.ENDED
     assert refusal(work.finish) is Reason.ENDED
     assert not work.journal.exists()
@@ -189,7 +189,7 @@ def test_changes_of_frames_that_are_not_done_stay_in_the_journal(recording, tmp_
     work.keep(1, 0.2, done=False)
     work.keep(2, 0.3, done=False)
     assert work.finish() == (
-        f'{work.output}: 10 frames, 1 of them labelled, 1 bodies; 2 changed frames are not done, '
+        f'{work.output}: 10 frames, 1 of them labelled, 1 body; 2 changed frames are not done, '
         f'or not in it with all bodies, and stay in {work.journal}'
     )
     again = Work(recording, work.output)
@@ -212,7 +212,7 @@ def test_bodies_that_no_mask_shows_stay_in_the_journal(simple_frames, tmp_path) 
     assert len(bodies) == 2
     work.session.keep(0, bodies, done=True, revision=0)
     text = work.finish()
-    assert '1 bodies were left out, because no mask shows them' in text
+    assert '1 body was left out, because no mask shows it' in text
     assert text.endswith(
         f'1 changed frame is not done, or not in it with all bodies, and stays in {work.journal}'
     )

@@ -17,6 +17,7 @@ function count(more) {
 // An action may return what there is to say, or throw it. Then fields and joints are drawn as they
 // were, since nothing was kept.
 export function act(action) {
+  if (state.isWritten) return;
   count(1);
   queue = queue.then(action).then((text) => say(text || ''), (error) => {
     say(error.message);

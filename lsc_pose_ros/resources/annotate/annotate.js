@@ -65,6 +65,7 @@ for (const [id, action] of Object.entries({
 element('finish').addEventListener('click', () => act(async () => {
   const { text } = await ask('finish', {});
   state.isWritten = true;
+  for (const id of ['image', 'views', 'panel']) element(id).inert = true;
   say(`${text}. This page can be closed.`, true);
 }));
 element('joint').addEventListener('change', (event) => select(placeOf(event.target.value)));

@@ -40,7 +40,6 @@ async function send(bodies, done) {
 
 // Shows what other pages have done since.
 export async function refresh() {
-  if (state.isWritten) return '';
   state.recording = await ask('recording');
   const { revision } = await ask(`frame/${state.number}`);
   if (revision === state.revision) {
