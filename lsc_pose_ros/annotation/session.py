@@ -48,6 +48,8 @@ from lsc_pose_ros.errors import InputError
 LIMBS = [[JOINT_NAMES[end] for end in edge] for edge in drawn_edges(range(len(JOINT_NAMES)))]
 """The lines of a skeleton, as pairs of joints."""
 
+_MOST_TOLD = 5
+
 Start = Callable[[Frame], Skeletons]
 """Returns the skeletons with which a frame begins that has no labels."""
 
@@ -243,17 +245,19 @@ class Session:
 
     def _end(self, complete: AbstractSet[int]) -> str:
         """Delete the journal if the recording has all of it; return what to tell if not."""
-        kept = self._journal.frames
-        missing = [stamp for stamp, (_, done) in kept.items() if not done or stamp not in complete]
+        missing = {
+            self._store.all_stamps.index(stamp): 'a body was left out' if done else 'not done'
+            for stamp, (_, done) in self._journal.frames.items()
+            if not done or stamp not in complete
+        }
         if not missing:
             self._journal.remove()
             return ''
         self._journal.close()
-        count = 'frame is' if len(missing) == 1 else 'frames are'
-        return (
-            f'; {len(missing)} changed {count} not done, or not in it with all bodies, and '
-            f'{"stays" if len(missing) == 1 else "stay"} in {self._journal.path}'
-        )
+        told = [f'frame {at} ({why})' for at, why in sorted(missing.items())[:_MOST_TOLD]]
+        if len(missing) > _MOST_TOLD:
+            told.append(f'{len(missing) - _MOST_TOLD} more')
+        return f'; {self._journal.path} keeps what is missing there: {", ".join(told)}'
 
     def _frame(self, number: int) -> Frame:
         if not 0 <= number < len(self._store):

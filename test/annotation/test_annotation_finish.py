@@ -189,8 +189,8 @@ def test_changes_of_frames_that_are_not_done_stay_in_the_journal(recording, tmp_
     work.keep(1, 0.2, done=False)
     work.keep(2, 0.3, done=False)
     assert work.finish() == (
-        f'{work.output}: 10 frames, 1 of them labelled, 1 body; 2 changed frames are not done, '
-        f'or not in it with all bodies, and stay in {work.journal}'
+        f'{work.output}: 10 frames, 1 of them labelled, 1 body; {work.journal} keeps what is '
+        'missing there: frame 1 (not done), frame 2 (not done)'
     )
     again = Work(recording, work.output)
     assert again.session.recording()['done'] == [True, *[False] * 9]
@@ -214,11 +214,18 @@ def test_bodies_that_no_mask_shows_stay_in_the_journal(simple_frames, tmp_path) 
     text = work.finish()
     assert '1 body was left out, because no mask shows it' in text
     assert text.endswith(
-        f'1 changed frame is not done, or not in it with all bodies, and stays in {work.journal}'
+        f'{work.journal} keeps what is missing there: frame 0 (a body was left out)'
     )
     again = Work(recording, work.output)
     assert len(again.session.frame(0)['bodies']) == 2
     again.session.close()
+
+
+def test_of_many_frames_that_are_not_done_a_few_are_named(work) -> None:
+    work.keep(0, 0.1)
+    for number in range(1, 9):
+        work.keep(number, 0.2, done=False)
+    assert work.finish().endswith('frame 5 (not done), 3 more')
 
 
 @pytest.mark.parametrize('when', ['before', 'while'])

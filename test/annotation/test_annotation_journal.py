@@ -132,7 +132,7 @@ FOREIGN = [
     b'\n',
     b'\x89PNG\r\n\x1a\n',
     b'{"format": "lsc_pose annotations of mine"}\n',
-    b'{"format": "lsc_pose annotation", "version": 1}\n{}\n',
+    b'{"format": "lsc_pose annotation", "version": 1, "content": "aa"}\n{}\n',
     b'{"format": "lsc_pose annotation", "version"\n{}\n',
 ]
 
