@@ -229,21 +229,13 @@ class _Handler(BaseHTTPRequestHandler):
     def _answer(self, answer: Callable[[], object]) -> None:
         status = HTTPStatus.OK
         try:
-            result = answer()
-        except InputError as error:
-            status, result = _status(error), {'error': str(error)}
-        except TimeoutError:
-            status, result = HTTPStatus.REQUEST_TIMEOUT, {'error': 'the request does not end'}
+            content, kind = _encoded(answer())
         except ConnectionError:
             raise
         except Exception as error:  # noqa: BLE001 - the last resort: the page shows it
-            status = HTTPStatus.INTERNAL_SERVER_ERROR
-            result = {'error': f'{type(error).__name__}: {error}'}
-        if isinstance(result, bytes):
-            self._send(result, 'image/png')
-        else:
-            content = json.dumps(result, allow_nan=False).encode()
-            self._send(content, 'application/json', status)
+            status, text = _refusal(error)
+            content, kind = _encoded({'error': text})
+        self._send(content, kind, status)
 
     def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
         self.send_response(status)
@@ -260,7 +252,21 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
 
-def _status(error: InputError) -> HTTPStatus:
+def _encoded(answer: object) -> tuple[bytes, str]:
+    """Return the content and the kind of an answer: a picture, or anything else as JSON."""
+    if isinstance(answer, bytes):
+        return answer, 'image/png'
+    return json.dumps(answer, allow_nan=False).encode(), 'application/json'
+
+
+def _refusal(error: Exception) -> tuple[HTTPStatus, str]:
+    """Return the status and the sentence for what went wrong."""
     if isinstance(error, RequestError):
-        return error.status
-    return _STATUS[error.reason] if isinstance(error, RefusedError) else HTTPStatus.BAD_REQUEST
+        return error.status, str(error)
+    if isinstance(error, RefusedError):
+        return _STATUS[error.reason], str(error)
+    if isinstance(error, InputError):
+        return HTTPStatus.BAD_REQUEST, str(error)
+    if isinstance(error, TimeoutError):
+        return HTTPStatus.REQUEST_TIMEOUT, 'the request does not end'
+    return HTTPStatus.INTERNAL_SERVER_ERROR, f'{type(error).__name__}: {error}'

@@ -14,6 +14,8 @@
 # limitations under the License.
 """What the journal of an annotation survives, and which files it leaves alone."""
 
+import errno
+import fcntl
 import json
 import os
 import resource
@@ -215,6 +217,17 @@ def test_a_repaired_journal_stays_locked(tmp_path) -> None:
         assert journal.warnings
         with pytest.raises(InputError, match='is being annotated already'):
             JournalFile(path)
+
+
+def test_a_file_system_without_locks_is_known(tmp_path, monkeypatch) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    with closing(JournalFile(tmp_path / 'journal')) as file:
+        assert file.is_locked
+    monkeypatch.setattr(fcntl, 'flock', fail)
+    with closing(JournalFile(tmp_path / 'journal')) as file:
+        assert not file.is_locked
 
 
 def test_a_journal_without_changes_leaves_no_file(tmp_path) -> None:

@@ -105,6 +105,7 @@ JOINT = b'"body": 1, "joint": "head"'
         b'{' + PIXEL + b'"depth": ' + HUGE + b'}',
         b'{' + PIXEL + b'"depth": NaN}',
         b'{' + PIXEL + b'"depth": []}',
+        b'{' + PIXEL + b'"depth": 2, "more": NaN}',
         b'[' * 100_000,
         b'{"a": ' + b'1' * 5000 + b'}',
         b'\xff\xfe{}',
