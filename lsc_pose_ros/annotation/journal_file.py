@@ -24,7 +24,8 @@ from lsc_pose_ros.annotation.refusals import Reason, RefusedError
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.file_lock import is_at, lock_file
 from lsc_pose_ros.files.kinds import TEXT, begins_with
-from lsc_pose_ros.files.output_file import write_output, writing
+from lsc_pose_ros.files.output_file import write_output
+from lsc_pose_ros.files.output_place import writing
 
 BEGINNING = b'{"format": "lsc_pose annotation"'
 """With which the first line of each journal begins."""

@@ -87,6 +87,10 @@ class AnnotatedFrames:
         """Return the labelled bodies of a frame; as `LabelSource.at`."""
         return self._finished.get(frame.stamp, skeletons_of({}))
 
+    def why_none(self, number: int, frame: Frame) -> str:  # noqa: ARG002
+        """Return why a frame has no label; as `LabelSource.why_none`."""
+        return 'without a body' if frame.stamp in self._finished else 'that are not done'
+
 
 def write_labelled_recording(
     frames: FrameReader, finished: Mapping[int, Skeletons], output: OutputGuard

@@ -286,10 +286,6 @@ def _position(position: NDArray[np.float64]) -> dict[str, Any]:
         raise InputError(msg)
     return {'position': position.tolist()}
 
-    def why_none(self, number: int, frame: Frame) -> str:  # noqa: ARG002
-        """Return why a frame has no label; as `LabelSource.why_none`."""
-        return 'without a body' if frame.stamp in self._finished else 'that are not done'
-
 
 def _joint(name: str) -> int:
     if name not in JOINT_NUMBERS:
