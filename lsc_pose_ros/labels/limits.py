@@ -52,6 +52,11 @@ def regular_stamps(path: Path, start: int, count: int, period: float) -> NDArray
     return np.asarray(start + moments)
 
 
+def known_positions(positions: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return `positions`, metres, with NaN in place of numbers that none can have."""
+    return np.where(np.abs(positions) <= FARTHEST, positions, np.nan)
+
+
 def check_positions(path: Path, positions: NDArray[np.float64]) -> None:
     """Raise InputError if a position in the file `path` cannot be one; NaN is an unknown one."""
     absurd = ~(np.abs(positions) <= FARTHEST) & ~np.isnan(positions)

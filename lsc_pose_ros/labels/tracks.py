@@ -26,7 +26,7 @@ from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.labels.interpolation import between, bracket
-from lsc_pose_ros.labels.limits import FARTHEST
+from lsc_pose_ros.labels.limits import known_positions
 from lsc_pose_ros.labels.transform_history import IDENTITY, Pose, TransformHistory
 from lsc_pose_ros.labels.vocabulary import Vocabulary
 
@@ -121,8 +121,8 @@ def body_tracks(samples: Iterable[JointSample], vocabulary: Vocabulary) -> list[
     for (body, frame_id), by_stamp in sorted(moments.items()):
         stamps = np.array(sorted(by_stamp), np.int64)
         theirs = np.stack([by_stamp[int(stamp)] for stamp in stamps])
-        theirs[~(np.abs(theirs) <= FARTHEST)] = np.nan
-        tracks.append(BodyTrack(body, frame_id, stamps, vocabulary.ours(theirs)))
+        ours = vocabulary.ours(known_positions(theirs))
+        tracks.append(BodyTrack(body, frame_id, stamps, ours))
     return tracks
 
 
@@ -191,15 +191,16 @@ class TrackLabels:
 
 def finished(positions: NDArray[np.float64], settings: LabelSettings) -> NDArray[np.float64]:
     """Return the joints of one body in the camera's frame as labels, shape (20, 3)."""
-    positions = np.where(np.abs(positions) <= FARTHEST, positions, np.nan)
-    return settings.vocabulary.with_offsets(positions) if settings.with_offsets else positions
+    known = known_positions(positions)
+    return settings.vocabulary.with_offsets(known) if settings.with_offsets else known
 
 
 def skeletons_of(bodies: dict[int, NDArray[np.float64]]) -> Skeletons:
     """Return bodies, the joints of each of shape (20, 3), as skeletons; all NaN is left out."""
+    possible = {body: known_positions(bodies[body]) for body in sorted(bodies)}
     known = {
         body: positions
-        for body, positions in sorted(bodies.items())
+        for body, positions in possible.items()
         if np.isfinite(positions).all(axis=1).any()
     }
     positions = np.array(list(known.values()), np.float32).reshape(-1, len(JOINT_NAMES), 3)

@@ -46,7 +46,7 @@ from lsc_pose_ros.labels.sources.c3d_file import c3d_tracks
 from lsc_pose_ros.labels.sources.keypoint_files import load_keypoints
 from lsc_pose_ros.labels.sources.recorded_topics import marker_samples
 from lsc_pose_ros.labels.sources.table_file import csv_samples
-from lsc_pose_ros.labels.tracks import body_tracks
+from lsc_pose_ros.labels.tracks import body_tracks, skeletons_of
 from lsc_pose_ros.labels.vocabulary import load_vocabulary
 
 OURS = load_vocabulary('lsc_pose')
@@ -308,6 +308,16 @@ def test_absurd_positions_of_topics_are_unknown(tmp_path):
     assert known.any()
     assert (np.abs(track.positions[known]) <= FARTHEST).all()
     assert not known.all()
+
+
+@pytest.mark.filterwarnings('error')
+def test_absurd_positions_of_a_body_are_unknown():
+    joints = pose(0.0)
+    joints[3], joints[4, 1], joints[5, 2] = 1e300, -np.inf, np.nan
+    skeletons = skeletons_of({7: joints, 3: np.full((20, 3), 1e300), 9: np.full((20, 3), np.nan)})
+    assert skeletons.bodies.tolist() == [7]
+    unknown = np.isnan(skeletons.positions[0]).all(axis=1)
+    assert np.flatnonzero(unknown).tolist() == [3, 4, 5]
 
 
 @pytest.mark.parametrize('period', [-1.0, 1e300, np.nan, np.inf])
