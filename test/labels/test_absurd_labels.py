@@ -71,6 +71,7 @@ def tracks_of(path, text, scale=1.0):
         ('-1,1,head,0,0,2', '-1 in the column stamp is no time'),
         ('1_0,1,head,0,0,2', 'not a number'),
         ('nan,1,head,0,0,2', 'not a number'),
+        ('0' * 5000 + '3e9,1,head,0,0,2', 'in the column stamp is not a number'),
         ('1,1e400,head,0,0,2', "'1e400' in the column body is not a number"),
         ('1,65536,head,0,0,2', 'the body 65536 is not a number from 0'),
         ('1,nan,head,0,0,2', 'the body nan is not a number from 0'),
