@@ -135,23 +135,25 @@ def run(words, **streams):
     )
 
 
-def close_output():
-    os.close(1)
+CLOSE_OUTPUT = '>&-'
+CLOSE_ALL = '<&- >&- 2>&-'
 
 
-def close_all():
-    os.closerange(0, 3)
+def run_closed(closed, words):
+    """Run a command whose streams a shell has closed."""
+    shell = ['/bin/sh', '-c', f'exec "$0" -m lsc_pose_ros "$@" {closed}', sys.executable]
+    return subprocess.run([*shell, *words], check=False, capture_output=True, text=True)
 
 
 def test_closed_standard_output_swallows_what_is_printed(labelled_recording):
-    ended = run(['info', str(labelled_recording), '--json', 'i.json'], preexec_fn=close_output)
+    ended = run_closed(CLOSE_OUTPUT, ['info', str(labelled_recording), '--json', 'i.json'])
     assert (ended.returncode, ended.stderr) == (0, '')
     assert Path('i.json').read_text().startswith('{')
 
 
 def test_closed_standard_output_is_no_output(labelled_recording):
     for name in ('-', '/dev/stdout', '/dev/fd/1'):
-        ended = run(['info', str(labelled_recording), '--json', name], preexec_fn=close_output)
+        ended = run_closed(CLOSE_OUTPUT, ['info', str(labelled_recording), '--json', name])
         assert ended.returncode == 2
         assert ended.stderr == (
             f'lsc_pose: error: {name}: cannot be written: standard output is closed; '
@@ -160,10 +162,10 @@ def test_closed_standard_output_is_no_output(labelled_recording):
 
 
 def test_all_streams_closed(labelled_recording):
-    done = run(['info', str(labelled_recording), '--json', 'i.json'], preexec_fn=close_all)
+    done = run_closed(CLOSE_ALL, ['info', str(labelled_recording), '--json', 'i.json'])
     assert done.returncode == 0
     assert Path('i.json').read_text().startswith('{')
-    assert run(['info', 'nothing.mcap'], preexec_fn=close_all).returncode == 2
+    assert run_closed(CLOSE_ALL, ['info', 'nothing.mcap']).returncode == 2
 
 
 @pytest.mark.skipif(not Path('/dev/full').exists(), reason='no /dev/full here')
