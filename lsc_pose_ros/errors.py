@@ -15,6 +15,9 @@
 
 """The exception for inputs that cannot be used, and how its message quotes them."""
 
+LONGEST_TEXT = 2000
+"""The longest text that is logged or printed, characters; a longer one loses its middle."""
+
 
 class InputError(Exception):
     """A file, topic, parameter or argument cannot be used.
@@ -28,3 +31,11 @@ def excerpt(value: object, length: int = 80) -> str:
     """Return the text of `value`, cut, for a message: in files it may be megabytes long."""
     text = ' '.join(str(value).split())
     return text if len(text) <= length else f'{text[: length - 3]}...'
+
+
+def cut(text: str) -> str:
+    """Return `text`, which may quote what others have sent, without its middle if it is long."""
+    if len(text) <= LONGEST_TEXT:
+        return text
+    half = LONGEST_TEXT // 2
+    return f'{text[:half]} [... {len(text) - 2 * half} characters ...] {text[-half:]}'

@@ -30,6 +30,7 @@ from lsc_pose_ros import __version__
 from lsc_pose_ros.cli.options.camera_preset import use_camera_preset
 from lsc_pose_ros.cli.options.completion import complete, typed_words
 from lsc_pose_ros.cli.options.settings_file import use_settings_file
+from lsc_pose_ros.cli.output.terminal_text import line_of
 from lsc_pose_ros.cli.program import INTERRUPTED, let_interrupt
 from lsc_pose_ros.cli.standard_streams import silence_stdout
 from lsc_pose_ros.errors import InputError
@@ -259,4 +260,4 @@ def _is_of_an_interrupt(error: BaseException) -> bool:
 def _complain(message: str) -> None:
     """Print `message` on stderr as one line, without its line breaks."""
     with suppress(BrokenPipeError):  # nobody reads it, which does not change the status
-        print(f'{PROGRAM}: error: {" ".join(message.split())}', file=sys.stderr, flush=True)
+        print(f'{PROGRAM}: error: {line_of(message)}', file=sys.stderr, flush=True)

@@ -16,13 +16,14 @@
 """`lsc_pose export`: writes the joints of a recording for other programs."""
 
 import argparse
-import sys
 from pathlib import Path
 
 from lsc_pose_ros.bags import RecordingReader
 from lsc_pose_ros.bags.topics import DEFAULT_TOPICS
 from lsc_pose_ros.cli.input.joint_sequence import JointSequence, read_joint_sequence
 from lsc_pose_ros.cli.output.joint_tables import kind_of_table, write_joints
+from lsc_pose_ros.cli.output.progress import warn
+from lsc_pose_ros.cli.output.terminal_text import name_of
 from lsc_pose_ros.files.output_check import Output, check_outputs
 
 HELP = """Write the joints that a recording contains for other programs: as a table (.csv,
@@ -81,19 +82,16 @@ def run(arguments: argparse.Namespace) -> int:
     sequence = read_joint_sequence(recording, arguments.topic, ground_truth, arguments.frame)
     write_joints(arguments.output, sequence, wide=arguments.wide, body=arguments.body)
     if sequence.without_pose:
-        print(
-            f'lsc_pose: warning: {sequence.without_pose} bodies were left out: TF does not know '
-            f'{arguments.frame} at their time',
-            file=sys.stderr,
+        warn(
+            f'{sequence.without_pose} bodies were left out: TF does not know {arguments.frame} at '
+            'their time'
         )
     if sequence.damaged:
-        print(
-            f'lsc_pose: warning: {sequence.damaged} messages of {sequence.topic} cannot be read',
-            file=sys.stderr,
-        )
+        warn(f'{sequence.damaged} messages of {name_of(sequence.topic)} cannot be read')
     print(
         f'{arguments.output}: {len(sequence.stamps)} skeletons of {_bodies(sequence)}, '
-        f'{len(sequence.joints)} joints of {sequence.topic}, in {sequence.frame_id}'
+        f'{len(sequence.joints)} joints of {name_of(sequence.topic)}, in '
+        f'{name_of(sequence.frame_id)}'
     )
     return 0
 

@@ -26,6 +26,7 @@ from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
 from lsc_pose_ros.cli.output.json_file import write_json
 from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.cli.output.terminal_text import line_of, name_of
 from lsc_pose_ros.files.kinds import JSON
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.resources.package_files import find_model, shipped_models
@@ -88,11 +89,11 @@ def _describe_model(path: Path) -> dict[str, Any]:
     from lsc_pose_ros.model_io.model_file import describe_model, load_model  # noqa: PLC0415
 
     description = describe_model(load_model(path))
-    width = max(map(len, description), default=0)
+    width = max((len(name_of(name)) for name in description), default=0)
     print(f'{"model":{width}}  {path}')
     description = {'size': f'{path.stat().st_size * 1e-6:.1f} MB', **description}
     for name, value in description.items():
-        print(f'{name:{width}}  {value}')
+        print(f'{name_of(name):{width}}  {line_of(value)}')
     return {'kind': 'model', 'path': str(path), **description}
 
 
@@ -109,7 +110,9 @@ def _describe_recording(arguments: argparse.Namespace) -> dict[str, Any]:
 
 def _print_recording(report: RecordingReport) -> None:
     start = datetime.fromtimestamp(report.start_ns * 1e-9, timezone.utc)
-    frame_topics = ', '.join(f'{name} {topic}' for name, topic in report.frame_topics.items())
+    frame_topics = ', '.join(
+        f'{name} {name_of(topic)}' for name, topic in report.frame_topics.items()
+    )
     print(f'recording  {report.path}')
     print(f'files      {len(report.files)}, {report.size_bytes * 1e-6:.1f} MB')
     print(f'start      {start.isoformat(timespec="milliseconds")}')
@@ -119,12 +122,13 @@ def _print_recording(report: RecordingReport) -> None:
     print(f'made of    {frame_topics or "-"}')
     if report.frames and not report.frame_topics.get('mask'):
         print(f'masks      none are used; --segmentation {_NO_MASK} finds people without')
-    print(f'images     {"; ".join(report.images) or "-"}')
-    print(f'camera     {report.camera or "-"}')
-    print(f'roll       {report.camera_roll or "-"}')
+    print(f'images     {line_of("; ".join(report.images) or "-")}')
+    print(f'camera     {line_of(report.camera or "-")}')
+    print(f'roll       {line_of(report.camera_roll or "-")}')
     print('topics')
-    width = max((len(topic.name) for topic in report.topics), default=0)
+    width = max((len(name_of(topic.name)) for topic in report.topics), default=0)
     for topic in report.topics:
-        print(f'  {topic.name:{width}}  {topic.messages:7d}  {topic.type_name}')
+        name, kind = name_of(topic.name), name_of(topic.type_name)
+        print(f'  {name:{width}}  {topic.messages:7d}  {kind}')
     for warning in report.warnings:
-        print(f'warning: {warning}')
+        print(f'warning: {line_of(warning)}')

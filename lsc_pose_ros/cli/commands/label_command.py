@@ -16,7 +16,6 @@
 """`lsc_pose label`: adds labels from another program to a recording."""
 
 import argparse
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -33,7 +32,7 @@ from lsc_pose_ros.cli.output.label_check import (
     limits_from,
     tell_report,
 )
-from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.cli.output.progress import progress, warn
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
@@ -168,7 +167,7 @@ def _label(arguments: argparse.Namespace, drop: Sequence[str]) -> LabelCounts:
             pass
         _check_labels(counts, [*source.warnings, *reader.warnings])
     for warning in [*source.warnings, *reader.warnings]:
-        print(f'lsc_pose: warning: {warning}', file=sys.stderr)
+        warn(warning)
     return counts
 
 

@@ -16,7 +16,6 @@
 """`lsc_pose replay`: estimates the joints in a recording, or publishes the recording."""
 
 import argparse
-import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -31,7 +30,8 @@ from lsc_pose_ros.cli.options.estimation_options import (
 from lsc_pose_ros.cli.options.numbers import positive_float
 from lsc_pose_ros.cli.options.setting_options import settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
-from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.cli.output.progress import progress, warn
+from lsc_pose_ros.cli.output.terminal_text import line_of
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.resources.package_files import find_model
@@ -182,8 +182,8 @@ def _answer(arguments: argparse.Namespace, reader: FrameReader) -> int:
                 raise InputError(text)
             _warn([text])
     print(f'{output}: {frames} frames, {bodies} bodies')
-    print(f'camera: {reader.camera}; {reader.roll}')
-    print(reader.bodies)
+    print(line_of(f'camera: {reader.camera}; {reader.roll}'))
+    print(line_of(reader.bodies))
     return 0
 
 
@@ -260,4 +260,4 @@ def _wait(arguments: argparse.Namespace, reader: FrameReader, publishing: 'Playe
 
 def _warn(warnings: Iterable[str]) -> None:
     for warning in warnings:
-        print(f'lsc_pose: warning: {warning}', file=sys.stderr)
+        warn(warning)

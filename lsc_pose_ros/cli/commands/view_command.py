@@ -16,7 +16,6 @@
 """`lsc_pose view`: draw frames of a recording as PNG files."""
 
 import argparse
-import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -30,7 +29,7 @@ from lsc_pose_ros.cli.options.frame_selection import NumberedFrame, pick, spread
 from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
-from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.cli.output.progress import progress, warn
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
 from lsc_pose_ros.errors import InputError
@@ -278,4 +277,4 @@ def _save_stages(output: Path, shown: ShownBody) -> None:
 
 def _warn(reader: FrameReader) -> None:
     for warning in reader.warnings:
-        print(f'lsc_pose: warning: {warning}', file=sys.stderr)
+        warn(warning)

@@ -16,13 +16,12 @@
 """Opens the labelled recordings of a command and prints their warnings after the work."""
 
 import argparse
-import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from lsc_pose_ros.bags import FrameReader
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, open_frames
-from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.cli.output.progress import progress, warn
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
 
@@ -71,4 +70,4 @@ def _chain(readers: Sequence[FrameReader]) -> Iterator[Frame]:
     for reader in readers:
         yield from reader
         for warning in reader.warnings:
-            print(f'lsc_pose: warning: {warning}', file=sys.stderr)
+            warn(warning)

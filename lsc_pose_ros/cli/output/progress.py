@@ -23,6 +23,8 @@ from typing import TypeVar
 
 from tqdm import tqdm
 
+from lsc_pose_ros.cli.output.terminal_text import line_of
+
 _Item = TypeVar('_Item')
 
 LOG_INTERVAL = 30.0
@@ -92,7 +94,7 @@ REPORTER = Reporter()
 
 def warn(text: str) -> None:
     """Warn the user, also with `--quiet`."""
-    print(f'lsc_pose: warning: {text}', file=sys.stderr, flush=True)
+    print(f'lsc_pose: warning: {line_of(text)}', file=sys.stderr, flush=True)
 
 
 def add_verbosity_options(parser: argparse.ArgumentParser) -> None:

@@ -21,12 +21,10 @@ import traceback
 from collections.abc import Callable
 from typing import Protocol
 
+from lsc_pose_ros.errors import cut
+
 # A kind of problem is forgotten after these seconds, which are longer than any period.
 _MEMORY = 600.0
-
-
-LONGEST_TEXT = 2000
-"""The longest text that is logged, characters; of a longer one, the middle is left out."""
 
 
 class Logger(Protocol):
@@ -95,14 +93,6 @@ class ThrottledLog:
         for kind in [kind for kind, last in self._last.items() if now - last > _MEMORY]:
             del self._last[kind]
             self._withheld.pop(kind, None)
-
-
-def cut(text: str) -> str:
-    """Return `text`, which may quote what others have sent, without its middle if it is long."""
-    if len(text) <= LONGEST_TEXT:
-        return text
-    half = LONGEST_TEXT // 2
-    return f'{text[:half]} [... {len(text) - 2 * half} characters ...] {text[-half:]}'
 
 
 def kind_of(error: BaseException) -> str:

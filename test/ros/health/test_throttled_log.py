@@ -17,8 +17,8 @@
 
 from collections.abc import Callable
 
-from lsc_pose_ros.errors import InputError
-from lsc_pose_ros.ros.health.throttled_log import LONGEST_TEXT, ThrottledLog, kind_of
+from lsc_pose_ros.errors import LONGEST_TEXT, InputError
+from lsc_pose_ros.ros.health.throttled_log import ThrottledLog, kind_of
 
 
 class Log:
