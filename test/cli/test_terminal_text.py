@@ -56,7 +56,7 @@ def strange(tmp_path, simple_frames):
     """A recording whose topics and frames have names of a stranger."""
     name = f'{CONTROL}x' * 600
     path = tmp_path / 'strange.mcap'
-    topics = DEFAULT_TOPICS._replace(depth=f'/d{name}', mask=f'/m{name}', ground_truth=f'/g{name}')
+    topics = DEFAULT_TOPICS._replace(depth=f'/d{name}', mask=f'/m{name}')
     with RecordingWriter(path) as writer:
         for frame in simple_frames:
             writer.write_frame(frame._replace(frame_id=name), topics)

@@ -194,6 +194,13 @@ def test_names_that_the_terminal_cannot_show(labelled_recording, name, monkeypat
     assert ended.stdout.startswith('recording')
 
 
+def test_longest_name_of_an_output_leaves_room_for_the_journal(capsys):
+    """The journal is opened before the recording is read."""
+    output = 'a' * 250 + '.mcap'
+    assert main(['annotate', 'nothing.mcap', '-o', output, '--no-browser']) == 2
+    assert 'nothing.mcap: no such file' in capsys.readouterr().err
+
+
 @pytest.mark.parametrize('words', ['info {}', 'view {} -o a.png', 'evaluate --model {} k.mcap'])
 def test_input_with_a_name_that_is_too_long(words, capsys):
     assert 'too long' in refusal(capsys, words, f'{LONG}')

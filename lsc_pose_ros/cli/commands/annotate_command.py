@@ -15,7 +15,6 @@
 """`lsc_pose annotate`: labels a recording by hand, in a browser."""
 
 import argparse
-import sys
 import threading
 import webbrowser
 from collections.abc import Mapping
@@ -36,11 +35,12 @@ from lsc_pose_ros.cli.commands.label_command import open_unturned
 from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options, settings_from
 from lsc_pose_ros.cli.options.topic_options import add_topic_arguments, topics_of
-from lsc_pose_ros.cli.output.progress import progress
+from lsc_pose_ros.cli.output.progress import progress, warn
 from lsc_pose_ros.data_types.skeletons import Skeletons
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.output_check import Output, check_outputs
 from lsc_pose_ros.files.output_place import is_written_through
+from lsc_pose_ros.files.sibling_names import sibling
 from lsc_pose_ros.model_io.model_file import load_model
 from lsc_pose_ros.pose.estimator import Estimator
 from lsc_pose_ros.resources.package_files import find_model
@@ -109,13 +109,13 @@ def run(arguments: argparse.Namespace) -> int:
         msg = f'{arguments.output} cannot be read again to go on; give -o a file'
         raise InputError(msg)
     # Locked before the labels of the output are read, which another process could write else.
-    with closing(JournalFile(Path(f'{arguments.output}{JOURNAL_SUFFIX}'))) as file:
+    with closing(JournalFile(sibling(arguments.output, JOURNAL_SUFFIX))) as file:
         return _annotate(arguments, file)
 
 
 def _annotate(arguments: argparse.Namespace, file: JournalFile) -> int:
     if not file.is_locked:
-        _warn(f'{file.path} cannot be locked; do not annotate this output twice at once')
+        warn(f'{file.path} cannot be locked; do not annotate this output twice at once')
     output = OutputGuard(arguments.output, file.path)
     estimator = Estimator(load_model(find_model(arguments.model)))
     store = _read_frames(arguments)
@@ -123,7 +123,7 @@ def _annotate(arguments: argparse.Namespace, file: JournalFile) -> int:
     name = arguments.recording.name
     journal = Journal(file, RecordingIdentity(name, store.content, frozenset(store.all_stamps)))
     for warning in journal.warnings:
-        _warn(warning)
+        warn(warning)
     session = Session(
         name,
         store,
@@ -142,7 +142,7 @@ def _read_frames(arguments: argparse.Namespace) -> FrameStore:
     frames = progress(reader, reader.count, 'reading')
     store = FrameStore(frames, arguments.every)
     for warning in reader.warnings:
-        _warn(warning)
+        warn(warning)
     return store
 
 
@@ -181,8 +181,8 @@ def _serve(arguments: argparse.Namespace, session: Session, output: OutputGuard)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     print(f'Annotate at {server.address}', flush=True)
     print(
-        f'Ctrl-C stops. What was done is in {arguments.output}{JOURNAL_SUFFIX}; the same command '
-        'goes on.',
+        f'Ctrl-C stops. What was done is in {sibling(arguments.output, JOURNAL_SUFFIX)}; the same '
+        'command goes on.',
         flush=True,
     )
     if arguments.browser:
@@ -194,7 +194,3 @@ def _serve(arguments: argparse.Namespace, session: Session, output: OutputGuard)
         server.shutdown()
         server.server_close()
     return server.summary
-
-
-def _warn(text: str) -> None:
-    print(f'lsc_pose: warning: {text}', file=sys.stderr, flush=True)
