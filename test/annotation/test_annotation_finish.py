@@ -37,7 +37,6 @@ from lsc_pose_ros.annotation.labelled_recording import (
 from lsc_pose_ros.annotation.refusals import Reason, RefusedError
 from lsc_pose_ros.annotation.session import Session
 from lsc_pose_ros.bags import RecordingWriter, open_recording
-from lsc_pose_ros.cli.main import main
 from lsc_pose_ros.data_types.frame import NO_BODY
 from lsc_pose_ros.data_types.joints import JOINT_NUMBERS
 from lsc_pose_ros.data_types.skeletons import Skeletons
@@ -312,43 +311,41 @@ def test_the_program_answers_with_statuses(recording, tmp_path) -> None:
     assert [len(frame.ground_truth.bodies) for frame in frames] == [2, *[0] * 9]
 
 
-def test_a_second_annotation_of_one_output_is_refused(recording, tmp_path, capsys) -> None:
-    output = tmp_path / 'labelled.mcap'
-    program = AnnotationProgram(recording, output)
-    try:
-        words = ['annotate', str(recording), '-o', str(output), '--no-browser', '--quiet']
-        assert main(words) == 2
-        error = capsys.readouterr().err
-        assert f'{output}.journal is in use: this output is being annotated already' in error
-        assert len(error.splitlines()) == 1
-        assert keep(program, 0, [{'number': 1, 'joints': {}}])[0] == 200
-    finally:
-        program.end(signal.SIGINT)
-
-
-@pytest.mark.parametrize('output', ['-', '/dev/stdout', '/dev/null'])
-def test_an_output_that_cannot_be_read_again_is_refused(recording, capsys, output) -> None:
-    assert main(['annotate', str(recording), '-o', output, '--no-browser', '--quiet']) == 2
-    assert 'give -o a file' in capsys.readouterr().err
-
-
-def test_without_a_temporary_folder_there_is_one_sentence(recording, tmp_path) -> None:
-    program = (
-        'import os, sys, tempfile\n'
-        'tempfile._candidate_tempdir_list = lambda: ["/proc/none"]\n'
-        'from lsc_pose_ros.cli.main import main\n'
-        'sys.exit(main(sys.argv[1:]))\n'
-    )
-    words = ['annotate', str(recording), '-o', str(tmp_path / 'out.mcap'), '--no-browser']
+def refused_command(recording: Path, output: Path, setup: str = '') -> str:
+    """Return the one line that the command prints, which does not begin."""
+    program = f'{setup}\nimport sys; from lsc_pose_ros.cli.main import main; sys.exit(main())'
+    words = ['annotate', str(recording), '-o', str(output), '--no-browser', '--quiet']
     found = subprocess.run(
-        [sys.executable, '-c', program, *words, '--quiet'],
+        [sys.executable, '-c', program, *words],
         capture_output=True,
         text=True,
         check=False,
         timeout=PATIENCE,
     )
-    assert found.returncode == 2
+    assert (found.returncode, found.stdout) == (2, ''), found.stderr
     assert len(found.stderr.splitlines()) == 1
-    assert 'no temporary file can hold the depth images' in found.stderr
-    assert 'set TMPDIR' in found.stderr
+    return found.stderr
+
+
+def test_a_second_annotation_of_one_output_is_refused(recording, tmp_path) -> None:
+    output = tmp_path / 'labelled.mcap'
+    program = AnnotationProgram(recording, output)
+    try:
+        error = refused_command(recording, output)
+        assert f'{output}.journal is in use: this output is being annotated already' in error
+        assert keep(program, 0, [{'number': 1, 'joints': {}}])[0] == 200
+    finally:
+        program.end(signal.SIGINT)
+
+
+@pytest.mark.parametrize('output', ['-', '/dev/null'])
+def test_an_output_that_cannot_be_read_again_is_refused(recording, output) -> None:
+    assert 'give -o a file' in refused_command(recording, Path(output))
+
+
+def test_without_a_temporary_folder_there_is_one_sentence(recording, tmp_path) -> None:
+    setup = 'import tempfile; tempfile._candidate_tempdir_list = lambda: ["/proc/none"]'
+    error = refused_command(recording, tmp_path / 'out.mcap', setup)
+    assert 'no temporary file can hold the depth images' in error
+    assert 'set TMPDIR' in error
     assert list(tmp_path.iterdir()) == []

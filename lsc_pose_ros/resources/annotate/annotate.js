@@ -63,7 +63,9 @@ for (const [id, action] of Object.entries({
 })) element(id).addEventListener('click', () => act(action));
 
 element('finish').addEventListener('click', () => act(async () => {
+  element('caption').textContent = 'The recording is being written.';
   const { text } = await ask('finish', {});
+  draw();
   state.isWritten = true;
   for (const id of ['image', 'views', 'panel']) element(id).inert = true;
   say(`${text}. This page can be closed.`, true);
