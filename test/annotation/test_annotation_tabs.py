@@ -113,6 +113,6 @@ def test_a_change_that_cannot_be_kept_is_told_and_not_shown(page, program, tmp_p
     press(page, 'PageDown', 'a')
     assert page.evaluate("document.getElementById('panel').inert")
     np.testing.assert_allclose(pixel_of(page, HAND), hand)
-    assert 'This page can be closed' in text_of(page, '#message.good')
+    assert 'This page can be closed' in text_of(page, '#message')
     labels = [frame.ground_truth for frame in open_recording(tmp_path / 'labelled.mcap')]
     assert [len(each.bodies) for each in labels] == [1, *[0] * 9]
