@@ -89,7 +89,8 @@ def test_a_finger_drags_a_joint_that_is_near(phone, program) -> None:
     open_page(phone, program)
     fingers = Fingers(phone)
     begin, pixel = centre(phone, FOOT), pixel_of(phone, FOOT)
-    away = np.array([0.0, 12.0])  # a finger does not hit a circle of 6 pixels
+    # Chromium itself finds what is up to 10 pixels beside a circle of 6.
+    away = np.array([0.0, 21.0])
     way = np.array([-25.0, 20.0])
     fingers.put(1, begin + away)
     fingers.move({1: begin + away + way})
@@ -170,9 +171,11 @@ def test_a_button_shows_the_people_again(phone, program) -> None:
 
 def test_a_message_is_seen_from_the_button_below_the_image(phone, program) -> None:
     open_page(phone, program)
+    phone.locator('summary').tap()
     phone.locator('#finish').tap()
     settle(phone)
     assert text_of(phone, '#message').startswith('No frame is done yet')
+    phone.evaluate('window.scrollTo(0, document.documentElement.scrollHeight)')
     box = phone.locator('#message').bounding_box()
     assert box['y'] >= 0
     assert box['y'] + box['height'] <= phone.viewport_size['height'] + ROUNDING
