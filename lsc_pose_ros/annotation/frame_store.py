@@ -15,7 +15,6 @@
 """The frames of a recording in any order: depth images on the disk, all else in memory."""
 
 import hashlib
-import tempfile
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
@@ -25,6 +24,7 @@ from numpy.typing import NDArray
 
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
+from lsc_pose_ros.files.temporary import temporary_file
 
 _Number = TypeVar('_Number', np.float32, np.int32)
 
@@ -52,8 +52,7 @@ class FrameStore:
         Raises:
             InputError: no temporary file can hold the images.
         """
-        with _temporary_files():
-            self._file = tempfile.TemporaryFile(prefix='lsc_pose_annotate_')  # noqa: SIM115
+        self._file = temporary_file()
         self._frames: list[StoredFrame] = []
         self.numbers: list[int] = []
         self.all_stamps: list[int] = []
@@ -63,9 +62,9 @@ class FrameStore:
             ends = [*ends[:1], frame.depth]
             if number % every == 0:
                 self.numbers.append(number)
-                with _temporary_files():
+                with _storing():
                     self._store(frame)
-        with _temporary_files():
+        with _storing():
             self._file.flush()
         self.content = _hash(self.all_stamps, ends)
 
@@ -106,17 +105,19 @@ class FrameStore:
 
 
 @contextmanager
-def _temporary_files() -> Iterator[None]:
+def _storing() -> Iterator[None]:
     """Turn errors of the system into a sentence about the temporary folder.
 
     Raises:
-        InputError: no folder for temporary files can be written, or it is full.
+        InputError: it is full.
     """
     try:
         yield
     except OSError as error:
-        reason = error.strerror or 'no folder can be written'
-        msg = f'no temporary file can hold the depth images ({reason}); set TMPDIR to a folder'
+        msg = (
+            f'no temporary file can hold the depth images ({error.strerror}); name a folder with '
+            'more room in the variable TMPDIR'
+        )
         raise InputError(msg) from error
 
 

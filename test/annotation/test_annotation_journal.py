@@ -184,6 +184,16 @@ def test_a_recording_is_known_by_its_stamps_and_its_first_and_last_image(simple_
         assert FrameStore(other).content != content
 
 
+def test_a_full_temporary_folder_is_told(simple_frames) -> None:
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (simple_frames[0].depth.nbytes, limits[1]))
+    try:
+        with pytest.raises(InputError, match='no temporary file can hold the depth images'):
+            FrameStore(simple_frames)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+
+
 HOLD = """
 import sys
 from pathlib import Path
