@@ -14,7 +14,6 @@
 # limitations under the License.
 """The frames of a recording in any order: depth images on the disk, all else in memory."""
 
-import hashlib
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple, TypeVar
@@ -22,6 +21,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from lsc_pose_ros.annotation.recording_content import RecordingContent
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.temporary import temporary_file
@@ -42,8 +42,7 @@ class FrameStore:
     Attributes:
         numbers: the numbers of the stored frames in the recording.
         all_stamps: the stamps of all frames of the recording, nanoseconds.
-        content: a hash of all stamps and of the first and the last depth image of the recording,
-            whichever frames are stored.
+        content: the hash of the whole recording, `RecordingContent`, whichever frames are stored.
     """
 
     def __init__(self, frames: Iterable[Frame], every: int = 1) -> None:
@@ -55,18 +54,17 @@ class FrameStore:
         self._file = temporary_file()
         self._frames: list[StoredFrame] = []
         self.numbers: list[int] = []
-        self.all_stamps: list[int] = []
-        ends: list[NDArray[np.float32]] = []
+        content = RecordingContent()
         for number, frame in enumerate(frames):
-            self.all_stamps.append(frame.stamp)
-            ends = [*ends[:1], frame.depth]
+            content.add(frame)
             if number % every == 0:
                 self.numbers.append(number)
                 with _storing():
                     self._store(frame)
         with _storing():
             self._file.flush()
-        self.content = _hash(self.all_stamps, ends)
+        self.all_stamps = content.stamps
+        self.content = content.hash()
 
     def _store(self, frame: Frame) -> None:
         at = self._file.tell()
@@ -119,11 +117,3 @@ def _storing() -> Iterator[None]:
             'more room in the variable TMPDIR'
         )
         raise InputError(msg) from error
-
-
-def _hash(stamps: list[int], images: list[NDArray[np.float32]]) -> str:
-    content = hashlib.sha256(str(stamps).encode())
-    for image in images:
-        content.update(f'{image.shape}'.encode())
-        content.update(np.ascontiguousarray(image, '<f4').tobytes())
-    return content.hexdigest()

@@ -19,6 +19,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
+from lsc_pose_ros.annotation.recording_content import RecordingContent
 from lsc_pose_ros.bags import FrameReader, RecordingWriter
 from lsc_pose_ros.data_types.frame import Frame
 from lsc_pose_ros.data_types.skeletons import Skeletons, known_bodies
@@ -40,7 +41,13 @@ class WrittenRecording(NamedTuple):
 
 
 class OutputGuard:
-    """Sees whether another program has written an output since this one has read it."""
+    """Sees whether another program has written an output since this one has read it.
+
+    Attributes:
+        path: the output.
+        journal: where the labels are if it cannot be written.
+        is_newer: whether the output was written after the last change in the journal.
+    """
 
     def __init__(self, path: Path, journal: Path) -> None:
         """Remember what is there.
@@ -49,8 +56,9 @@ class OutputGuard:
             path: the output.
             journal: where the labels are if it cannot be written, for the message.
         """
-        self.path, self._journal = path, journal
+        self.path, self.journal = path, journal
         self._before = self._state()
+        self.is_newer = self._is_newer()
 
     def check(self) -> None:
         """Check that the output is the one that was there, or is not there any more.
@@ -62,9 +70,19 @@ class OutputGuard:
         if now is not None and now != self._before:
             msg = (
                 f'another program has written {self.path} meanwhile, so it is not replaced; the '
-                f'labels are in {self._journal}: stop the command and give it again'
+                f'labels are in {self.journal}: stop the command and give it again'
             )
             raise InputError(msg)
+
+    def _is_newer(self) -> bool:
+        if self._before is None:
+            return False
+        try:
+            journal = self.journal.stat()
+        except OSError:
+            return False
+        *_, written = self._before
+        return journal.st_size > 0 and written > journal.st_mtime_ns
 
     def _state(self) -> tuple[int, ...] | None:
         try:
@@ -93,7 +111,7 @@ class AnnotatedFrames:
 
 
 def write_labelled_recording(
-    frames: FrameReader, finished: Mapping[int, Skeletons], output: OutputGuard
+    frames: FrameReader, finished: Mapping[int, Skeletons], output: OutputGuard, content: str
 ) -> WrittenRecording:
     """Write a copy of a recording with labels.
 
@@ -101,20 +119,29 @@ def write_labelled_recording(
         frames: the frames, not turned upright.
         finished: the labels by stamp, nanoseconds.
         output: the file to write, as it was when its labels were read.
+        content: the hash of the recording that is labelled, `RecordingContent`.
 
     Raises:
-        InputError: the recording cannot be read, or the output written; then this is as before.
+        InputError: the recording cannot be read or has another content, or the output cannot be
+            written; then this is as before.
     """
     output.check()
-    counts, complete = LabelCounts(), set()
+    counts, complete, read = LabelCounts(), set(), RecordingContent()
     with RecordingWriter(output.path) as writer:
         source = AnnotatedFrames(finished)
         for frame in write_labelled_copy(frames, source, writer, counts):
+            read.add(frame)
             wanted, written = finished.get(frame.stamp), frame.ground_truth
             if wanted is None or written is None:
                 continue
             if known_bodies(written) == known_bodies(wanted):
                 complete.add(frame.stamp)
+        if read.hash() != content:
+            msg = (
+                f'{frames.path} is another recording than the one that was labelled; the labels '
+                f'are in {output.journal}: put that recording back and give the command again'
+            )
+            raise InputError(msg)
         output.check()
     text = (
         f'{os.fspath(output.path)}: {counts.frames} frames, {counts.labelled} of them '

@@ -14,6 +14,7 @@
 # limitations under the License.
 """No change is lost when the recording is written, whatever happens meanwhile."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -69,6 +70,7 @@ class Work:
         file = JournalFile(self.journal)
         self.guard = OutputGuard(output, self.journal)
         store = FrameStore(open_recording(recording))
+        self._content = store.content
         identity = RecordingIdentity(recording.name, store.content, store.all_stamps)
         journal = Journal(file, identity)
         self.session = Session(recording.name, store, journal, lambda _: skeletons_of({}))
@@ -81,7 +83,8 @@ class Work:
         self.session.keep(number, [body], done=done, revision=frame['revision'])
 
     def write(self, finished: Mapping[int, Skeletons]) -> WrittenRecording:
-        return write_labelled_recording(open_recording(self._recording), finished, self.guard)
+        reader = open_recording(self._recording)
+        return write_labelled_recording(reader, finished, self.guard, self._content)
 
     def finish(self) -> str:
         return self.session.finish(self.write)
@@ -264,6 +267,51 @@ def test_an_output_that_another_program_writes_is_not_replaced(
     again = Work(recording, output)
     again.finish()
     assert again.hands()[:2] == [0.1, 0.2]
+
+
+def test_labels_are_not_written_into_another_recording(simple_frames, tmp_path) -> None:
+    """It has the same name and stamps, but shows something else."""
+    recording = tmp_path / 'boxes.mcap'
+    content = []
+    for factor in (1.0, 1.1):
+        with RecordingWriter(recording) as writer:
+            for frame in simple_frames:
+                writer.write_frame(frame._replace(depth=np.float32(factor) * frame.depth))
+        content.append(recording.read_bytes())
+    recording.write_bytes(content[0])
+    work = Work(recording, tmp_path / 'labelled.mcap')
+    work.keep(0, 0.1)
+    recording.write_bytes(content[1])
+    with pytest.raises(InputError, match='another recording than the one that was') as refused:
+        work.finish()
+    assert str(work.journal) in str(refused.value)
+    assert set(tmp_path.iterdir()) == {recording, work.journal}
+    recording.write_bytes(content[0])
+    work.finish()
+    assert work.hands()[0] == 0.1
+
+
+def test_an_output_has_one_journal_under_all_of_its_names(recording, tmp_path) -> None:
+    output, link = tmp_path / 'labelled.mcap', tmp_path / 'link.mcap'
+    link.symlink_to(output)
+    program = AnnotationProgram(recording, output)
+    assert 'is being annotated already' in refused_command(recording, link)
+    assert program.end(signal.SIGINT)[0] == 130
+
+
+def test_labels_of_a_journal_that_is_older_than_the_output_are_told(recording, tmp_path) -> None:
+    output = tmp_path / 'labelled.mcap'
+    work = Work(recording, output)
+    work.keep(0, 0.1)
+    work.session.close()
+    output.write_bytes(recording.read_bytes())
+    for name, warned in ((work.journal, False), (output, True)):
+        for path in (output, work.journal):
+            os.utime(path, ns=(0, 2 * 10**9 if path == name else 10**9))
+        program = AnnotationProgram(recording, output)
+        status, _, errors = program.end(signal.SIGINT)
+        assert status == 130
+        assert ('both have labels of 1 frame:' in errors) == warned, errors
 
 
 def test_an_output_that_is_gone_is_written(recording, tmp_path) -> None:

@@ -15,6 +15,7 @@
 """`lsc_pose annotate`: labels a recording by hand, in a browser."""
 
 import argparse
+import os
 import threading
 import webbrowser
 from collections.abc import Mapping
@@ -109,8 +110,17 @@ def run(arguments: argparse.Namespace) -> int:
         msg = f'{arguments.output} cannot be read again to go on; give -o a file'
         raise InputError(msg)
     # Locked before the labels of the output are read, which another process could write else.
-    with closing(JournalFile(sibling(arguments.output, JOURNAL_SUFFIX))) as file:
+    with closing(JournalFile(journal_path(arguments.output))) as file:
         return _annotate(arguments, file)
+
+
+def journal_path(output: Path) -> Path:
+    """Return the journal of an output: one for all names of the file.
+
+    Raises:
+        InputError: `output` is a folder.
+    """
+    return sibling(Path(os.path.realpath(output)), JOURNAL_SUFFIX)
 
 
 def _annotate(arguments: argparse.Namespace, file: JournalFile) -> int:
@@ -124,6 +134,8 @@ def _annotate(arguments: argparse.Namespace, file: JournalFile) -> int:
     journal = Journal(file, RecordingIdentity(name, store.content, frozenset(store.all_stamps)))
     for warning in journal.warnings:
         warn(warning)
+    if output.is_newer:
+        _warn_of_older_labels(output, len(journal.frames.keys() & earlier.keys()))
     session = Session(
         name,
         store,
@@ -132,8 +144,18 @@ def _annotate(arguments: argparse.Namespace, file: JournalFile) -> int:
         earlier,
     )
     with closing(session):
-        print(_serve(arguments, session, output), flush=True)
+        print(_serve(arguments, session, output, store.content), flush=True)
     return 0
+
+
+def _warn_of_older_labels(output: OutputGuard, frames: int) -> None:
+    if frames:
+        count = '1 frame' if frames == 1 else f'{frames} frames'
+        warn(
+            f'{output.path} was written after {output.journal}; both have labels of {count}: '
+            'those of the journal are shown and will be written; to use those of the output, move '
+            'the journal away'
+        )
 
 
 def _read_frames(arguments: argparse.Namespace) -> FrameStore:
@@ -169,20 +191,23 @@ def _read_earlier(arguments: argparse.Namespace, store: FrameStore) -> Mapping[i
     return earlier
 
 
-def _serve(arguments: argparse.Namespace, session: Session, output: OutputGuard) -> str:
+def _serve(
+    arguments: argparse.Namespace, session: Session, output: OutputGuard, content: str
+) -> str:
     """Serve the page until the recording is written, and return what this contains."""
 
     def finish() -> str:
         return session.finish(
-            lambda labels: write_labelled_recording(open_unturned(arguments), labels, output)
+            lambda labels: write_labelled_recording(
+                open_unturned(arguments), labels, output, content
+            )
         )
 
     server = AnnotationServer(session, finish, colour_sheet(), arguments.port)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     print(f'Annotate at {server.address}', flush=True)
     print(
-        f'Ctrl-C stops. What was done is in {sibling(arguments.output, JOURNAL_SUFFIX)}; the same '
-        'command goes on.',
+        f'Ctrl-C stops. What was done is in {output.journal}; the same command goes on.',
         flush=True,
     )
     if arguments.browser:
