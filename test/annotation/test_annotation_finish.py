@@ -386,6 +386,12 @@ def test_a_second_annotation_of_one_output_is_refused(recording, tmp_path) -> No
         program.end(signal.SIGINT)
 
 
+@pytest.mark.parametrize('name', ['labelled.txt', 'labelled.db3', 'bag'])
+def test_an_output_that_could_not_be_gone_on_with_is_refused(recording, tmp_path, name) -> None:
+    assert 'annotations are written to a file .mcap' in refused_command(recording, tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize('output', ['-', '/dev/null'])
 def test_an_output_that_cannot_be_read_again_is_refused(recording, output) -> None:
     assert 'give -o a file' in refused_command(recording, Path(output))

@@ -51,7 +51,7 @@ from lsc_pose_ros.messages.type_names import CAMERA_INFO, IMAGE, MARKER_ARRAY, P
 
 RECORDING = begins_with('a recording of the format MCAP', MCAP_MAGIC)
 
-_SUFFIX = '.mcap'
+MCAP_SUFFIX = '.mcap'
 _CHUNK_SIZE = 1 << 20
 _LIBRARY = 'lsc_pose_ros'
 
@@ -80,7 +80,7 @@ class RecordingWriter:
         self._check_path()
         self._file_name = self._path.name
         if self._folder:
-            self._file_name = sibling(self._path, f'_0{_SUFFIX}').name
+            self._file_name = sibling(self._path, f'_0{MCAP_SUFFIX}').name
         self._bag: Path | None = None
         self._opened = ExitStack()
         self._channels: dict[str, _Channel] = {}
@@ -238,14 +238,14 @@ class RecordingWriter:
             for name, channel in self._channels.items()
         ]
         # The name of a single file is not stored, so that equal recordings are equal files.
-        name = self._file_name if self._folder else f'recording{_SUFFIX}'
+        name = self._file_name if self._folder else f'recording{MCAP_SUFFIX}'
         return RecordingContents(name, topics, self._start, self._end)
 
     def _check_path(self) -> None:
         if self._folder:
             OutputFolder(self._path)
             return
-        if self._path.suffix != _SUFFIX and not is_written_through(self._path):
+        if self._path.suffix != MCAP_SUFFIX and not is_written_through(self._path):
             msg = (
                 f'{self._path}: a recording is written as a file .mcap or as a folder '
                 f'(a name without suffix), not as {self._path.suffix}'

@@ -31,7 +31,7 @@ from lsc_pose_ros.annotation.labelled_recording import OutputGuard, write_labell
 from lsc_pose_ros.annotation.server import AnnotationServer
 from lsc_pose_ros.annotation.session import Session
 from lsc_pose_ros.bags import open_recording
-from lsc_pose_ros.bags.storage.writer import RECORDING
+from lsc_pose_ros.bags.storage.writer import MCAP_SUFFIX, RECORDING
 from lsc_pose_ros.cli.commands.label_command import open_unturned
 from lsc_pose_ros.cli.options.numbers import positive_int
 from lsc_pose_ros.cli.options.setting_options import add_setting_options, settings_from
@@ -108,6 +108,12 @@ def run(arguments: argparse.Namespace) -> int:
     check_outputs([Output(arguments.output, RECORDING)], [arguments.recording])
     if is_written_through(arguments.output):
         msg = f'{arguments.output} cannot be read again to go on; give -o a file'
+        raise InputError(msg)
+    if arguments.output.suffix != MCAP_SUFFIX:
+        # The output is read again to go on, and is replaced at the end: one file.
+        msg = (
+            f'{arguments.output}: annotations are written to a file {MCAP_SUFFIX}; name one by -o'
+        )
         raise InputError(msg)
     # Locked before the labels of the output are read, which another process could write else.
     with closing(JournalFile(journal_path(arguments.output))) as file:
