@@ -27,6 +27,7 @@ from lsc_pose_ros.files.kinds import Kind
 from lsc_pose_ros.files.output_place import (
     check_folder_of_outputs,
     check_output,
+    descriptor_of,
     is_written_through,
 )
 
@@ -63,7 +64,7 @@ def check_outputs(outputs: Sequence[Output], inputs: Iterable[Path]) -> None:
 
     Raises:
         InputError: an output is an input, even under another name, or a file of an input folder;
-            two outputs are one file; or an output is the place of something else.
+            two outputs are one file or one stream; or an output is the place of something else.
     """
     files = [each for each in outputs if not is_written_through(each.path)]
     inputs = list(inputs)
@@ -72,6 +73,11 @@ def check_outputs(outputs: Sequence[Output], inputs: Iterable[Path]) -> None:
     for first, second in combinations(files, 2):
         if _is_same(first.path, second.path):
             msg = f'{first.path} and {second.path} are one file; choose another name for one'
+            raise InputError(msg)
+    for first, second in combinations(outputs, 2):
+        descriptor = descriptor_of(first.path)
+        if descriptor is not None and descriptor == descriptor_of(second.path):
+            msg = f'two outputs go to {first.path}; choose another name for one'
             raise InputError(msg)
     for output in outputs:
         check_output(output.path, output.kind)

@@ -30,7 +30,7 @@ from lsc_pose_ros.errors import InputError
 from lsc_pose_ros.files.kinds import archive
 from lsc_pose_ros.files.lock_beside import locked
 from lsc_pose_ros.files.output_file import write_output
-from lsc_pose_ros.files.output_place import is_written_through
+from lsc_pose_ros.files.output_place import check_output, is_written_through
 from lsc_pose_ros.files.sibling_names import sibling
 from lsc_pose_ros.model_io.archive_header import header_array, read_header
 from lsc_pose_ros.model_io.forest_packing import Form
@@ -63,8 +63,11 @@ _MOST_PARTS = 1 + MOST_TREES * (len(_NODES) + len(_KINDS) * len(_VOTES))
 
 
 def checkpoint_path(model: Path) -> Path:
-    """Return where the training of the file `model` keeps its finished trees."""
-    return sibling(model, '.checkpoint')
+    """Return where the training of the file `model` keeps its finished trees.
+
+    It is one place for all names of the file.
+    """
+    return sibling(Path(os.path.realpath(model)), '.checkpoint')
 
 
 def _tell_nobody(_text: str) -> None:
@@ -172,9 +175,17 @@ class CheckpointFile:
             self._has_warned = True
 
     def remove(self) -> None:
-        """Remove the file when the model is written; it stays if it has more trees than that."""
+        """Remove the file when the model is written.
+
+        It stays if it has more trees than the model, or is something else by now.
+        """
         if self._has_more:
             self._tell(f'{self._path} stays: it has more trees than the model')
+            return
+        try:
+            check_output(self._path, CHECKPOINT)
+        except InputError:
+            self._warn(f'{self._path} stays: it is no checkpoint')
             return
         # The target of a link is removed; the link stays, as where a file is written.
         target = Path(os.path.realpath(self._path))

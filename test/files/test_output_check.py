@@ -79,3 +79,13 @@ def test_devices_may_be_read_and_written():
 def test_other_kinds_are_refused(recording):
     with pytest.raises(InputError, match='not a JSON file'):
         check_outputs([Output(recording, JSON)], [])
+
+
+@pytest.mark.parametrize('name', ['-', '/dev/stdout', '/dev/fd/1'])
+def test_two_outputs_are_one_stream(name):
+    with pytest.raises(InputError, match='two outputs go to -'):
+        check_outputs([Output(Path('-'), TEXT), Output(Path(name), JSON)], [])
+
+
+def test_two_outputs_may_be_thrown_away():
+    check_outputs([Output(Path('/dev/null'), TEXT), Output(Path('/dev/null'), JSON)], [])

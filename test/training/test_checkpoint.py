@@ -224,6 +224,22 @@ def test_link_is_followed_and_its_target_removed(tmp_path):
     assert list((tmp_path / 'other').iterdir()) == []
 
 
+def test_file_of_somebody_else_in_its_place_stays(tmp_path):
+    warnings = []
+    with checkpoint_in(tmp_path, resume=False, warn=warnings.append) as checkpoint:
+        checkpoint.store('key', [TREE])
+        path = checkpoint_path(tmp_path / 'me.npz')
+        path.write_text('dear diary')
+        checkpoint.remove()
+    assert path.read_text() == 'dear diary'
+    assert warnings == [f'{path} stays: it is no checkpoint']
+
+
+def test_all_names_of_a_model_have_one_checkpoint(tmp_path):
+    (tmp_path / 'other.npz').symlink_to(tmp_path / 'me.npz')
+    assert checkpoint_path(tmp_path / 'other.npz') == checkpoint_path(tmp_path / 'me.npz')
+
+
 def test_link_to_a_device_keeps_nothing(tmp_path):
     link = checkpoint_path(tmp_path / 'me.npz')
     link.symlink_to('/dev/null')
