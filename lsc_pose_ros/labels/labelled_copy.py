@@ -19,6 +19,8 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from lsc_pose_ros.bags import DEFAULT_TOPICS, FrameReader, RecordingReader, RecordingWriter
 from lsc_pose_ros.bags.message_copier import MessageCopier
 from lsc_pose_ros.bags.serialization.serialize import skeletons_message
@@ -37,6 +39,7 @@ class LabelCounts:
         frames: all frames.
         labelled: those with a labelled body, of which a joint is known.
         bodies: the labelled bodies of all frames.
+        behind: joints that were left out because they are not in front of the camera.
         unmatched: bodies that were left out because no mask shows them.
         missing: the frames that are not labelled, by the reason, in words that follow 'N frames'.
     """
@@ -44,6 +47,7 @@ class LabelCounts:
     frames: int = 0
     labelled: int = 0
     bodies: int = 0
+    behind: int = 0
     unmatched: int = 0
     missing: Counter[str] = field(default_factory=Counter)
 
@@ -77,6 +81,11 @@ def write_labelled_copy(
         log_time = copier.copy_up_to(frame.stamp)
         skeletons = source.at(number, frame)
         reason = '' if known_bodies(skeletons) else source.why_none(number, frame)
+        skeletons, behind = in_front(skeletons)
+        counts.behind += behind
+        reason = reason or (
+            '' if known_bodies(skeletons) else 'whose joints are behind the camera'
+        )
         if frames.topics.mask:
             matched = numbered_as_mask(skeletons, frame)
             counts.unmatched += len(skeletons.bodies) - len(matched.bodies)
@@ -94,6 +103,22 @@ def write_labelled_copy(
         writer.write(topic, POINT_CLOUD, log_time, data)
         yield frame._replace(ground_truth=skeletons)
     copier.copy_rest()
+
+
+def in_front(skeletons: Skeletons) -> tuple[Skeletons, int]:
+    """Return the joints that a camera can see, the others unknown, and how many these others are.
+
+    Args:
+        skeletons: in the optical frame, whose z points away from the camera.
+    """
+    behind = skeletons.positions[..., 2] <= 0
+    if not behind.any():
+        return skeletons, 0
+    kept = skeletons._replace(
+        positions=np.where(behind[..., None], np.float32(np.nan), skeletons.positions),
+        confidence=np.where(behind, np.float32(0), skeletons.confidence),
+    )
+    return kept, int(behind.sum())
 
 
 def _transform_topics(frames: FrameReader) -> frozenset[str]:

@@ -106,6 +106,14 @@ def test_frame_in_a_table_that_is_no_number_of_an_image(frame, tmp_path):
         load_keypoints(path, COCO, START, 0.0)
 
 
+def test_table_without_line_ends_is_refused_before_it_fills_the_memory(tmp_path):
+    path = tmp_path / 'joints.csv'
+    with path.open('wb') as stream:
+        stream.truncate(1 << 40)  # of zeros, which take no place on the disk
+    with pytest.raises(InputError, match='line 1: it has more than 131072 characters'):
+        next(csv_samples(path, OURS, '', 1.0, START))
+
+
 def test_joint_that_is_given_twice_is_refused(tmp_path):
     path = tmp_path / 'joints.csv'
     rows = ['1,1,head,0,0,2', '1,2,head,0,0,2', '2,1,head,0,0,2', '1,1,neck,0,0,2']
@@ -279,6 +287,18 @@ def test_c3d_with_absurd_positions_is_refused(scale, tmp_path):
         c3d_tracks(path, load_vocabulary('plug_in_gait'), '', scale, START)
 
 
+def test_c3d_with_a_point_twice_is_refused(tmp_path):
+    c3d = pytest.importorskip('c3d')
+    path = tmp_path / 'trial.c3d'
+    writer = c3d.Writer(point_rate=20.0, point_units='mm ')
+    writer.set_point_labels(['LFHD', 'RFHD', 'LFHD'])
+    writer.add_frames([(np.zeros((3, 5), np.float32), np.array([[]]))] * 3)
+    with path.open('wb') as stream:
+        writer.write(stream)
+    with pytest.raises(InputError, match=r'trial\.c3d has the point LFHD twice'):
+        c3d_tracks(path, load_vocabulary('plug_in_gait'), '', None, START)
+
+
 def test_c3d_that_is_none_is_refused(tmp_path):
     pytest.importorskip('c3d')
     path = tmp_path / 'trial.c3d'
@@ -416,3 +436,18 @@ def test_labels_of_another_time_are_told(tmp_path, capsys):
     assert 'none of the 5 frames got a label: 5 before the first label; shift the labels' in said
     assert '--time-offset' in said
     assert CAMERA_FRAME not in said
+
+
+def test_joints_behind_the_camera_are_left_out_and_told(tmp_path, capsys):
+    recording = write_recording(tmp_path / 'depth.mcap')
+    table = csv_of(tmp_path / 'joints.csv', stamps()[:4])
+    rows = [f'{stamps()[4]},pelvis,0,0.05,2.0', f'{stamps()[4]},head,0,-0.6,-2.0']
+    table.write_text('\n'.join([table.read_text(), *rows]))
+    assert label(tmp_path, recording, table) == 0
+    said = capsys.readouterr()
+    assert '5 of them labelled' in said.out
+    assert 'joints behind the camera were left out: 1; check the extrinsic' in said.err
+    table = csv_of(tmp_path / 'joints.csv', stamps(), z='-2')
+    assert label(tmp_path, recording, table) == 2
+    said = capsys.readouterr().err
+    assert 'none of the 5 frames got a label: 5 whose joints are behind the camera' in said

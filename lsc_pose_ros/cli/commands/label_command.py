@@ -168,6 +168,11 @@ def _label(arguments: argparse.Namespace, drop: Sequence[str]) -> LabelCounts:
         _check_labels(counts, [*source.warnings, *reader.warnings])
     for warning in [*source.warnings, *reader.warnings]:
         warn(warning)
+    if counts.behind:
+        warn(
+            f'joints behind the camera were left out: {counts.behind}; check the extrinsic and '
+            'the axes of the labels'
+        )
     return counts
 
 

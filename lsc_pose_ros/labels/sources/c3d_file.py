@@ -45,7 +45,8 @@ def c3d_tracks(
         start: the stamp of its first frame, nanoseconds.
 
     Raises:
-        InputError: the file cannot be read, has none of the points, or names no known unit.
+        InputError: the file cannot be read, has none of the points or one twice, or names no
+            known unit.
     """
     labels, points, rate, unit = _read(path)
     if scale is None and unit not in _METRES:
@@ -57,6 +58,9 @@ def c3d_tracks(
     subjects: dict[str, dict[str, int]] = defaultdict(dict)
     for index, label in enumerate(labels):
         subject, _, name = label.rpartition(':')
+        if name in subjects.get(subject, ()):
+            msg = f'{path} has the point {excerpt(label)} twice; export it with one of each name'
+            raise InputError(msg)
         if name in vocabulary.names:
             subjects[subject][name] = index
     if not subjects:

@@ -20,7 +20,7 @@ import math
 from collections.abc import Iterator, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
-from typing import NamedTuple, NoReturn
+from typing import NamedTuple, NoReturn, TextIO
 
 from lsc_pose_ros.data_types.joints import JOINT_NAMES
 from lsc_pose_ros.errors import InputError, excerpt
@@ -38,6 +38,9 @@ _MOMENTS = ('stamp', 'time', 'frame')
 _LONGEST_NUMBER = 40
 _LARGEST_NUMBER = 10**20
 _MOST_FRAMES = 1_000_000_000
+
+_LONGEST_LINE = 1 << 17
+"""More characters are no line of a table; a file without line ends would fill the memory."""
 
 
 class TableRow(NamedTuple):
@@ -88,7 +91,7 @@ def read_table(path: Path, form: TableFormat) -> Iterator[TableRow]:
     """
     try:
         with path.open(encoding='utf-8-sig', newline='') as stream:
-            reader = csv.DictReader(stream, skipinitialspace=True)
+            reader = csv.DictReader(_lines(path, stream), skipinitialspace=True)
             names = reader.fieldnames or []
             _check_columns(path, names, form)
             given = _GivenJoints(form.vocabulary)
@@ -99,6 +102,16 @@ def read_table(path: Path, form: TableFormat) -> Iterator[TableRow]:
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         msg = f'cannot read {path}: {excerpt(error)}'
         raise InputError(msg) from error
+
+
+def _lines(path: Path, stream: TextIO) -> Iterator[str]:
+    number = 0
+    while line := stream.readline(_LONGEST_LINE + 1):
+        number += 1
+        if len(line) > _LONGEST_LINE:
+            msg = f'{path}, line {number}: it has more than {_LONGEST_LINE} characters'
+            raise InputError(msg)
+        yield line
 
 
 def csv_samples(
