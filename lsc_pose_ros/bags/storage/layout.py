@@ -101,6 +101,9 @@ def identify(path: Path) -> Part:
     Raises:
         InputError: it cannot be read or is no recording.
     """
+    if path.exists() and not path.is_file():  # a pipe would wait for somebody who writes to it
+        msg = f'{path}: is no file'
+        raise InputError(msg)
     try:
         with path.open('rb') as stream:
             magic = stream.read(_LONGEST_MAGIC)

@@ -47,7 +47,7 @@ class RecordedMetadata(NamedTuple):
 def read_metadata(path: Path, warnings: list[str]) -> RecordedMetadata:
     """Return what the file `path` tells; nothing, and a warning, if it is damaged."""
     nothing = RecordedMetadata([], None)
-    if not path.exists():
+    if not path.is_file():  # a pipe in the folder would wait for somebody who writes to it
         return nothing
     try:
         information = _information(parse_yaml(read_text(path, METADATA_NAME)))

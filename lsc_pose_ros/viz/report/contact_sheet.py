@@ -22,6 +22,7 @@ from matplotlib.figure import Figure
 
 from lsc_pose_ros.viz.drawing.canvas import hide_axes, house_style, new_figure
 from lsc_pose_ros.viz.drawing.legend import LEGEND_HEIGHT, add_legend
+from lsc_pose_ros.viz.drawing.readable_text import readable
 from lsc_pose_ros.viz.report.drawn_frame import DrawnFrame, caption, draw_frame
 
 _MOST_COLUMNS = 6
@@ -42,7 +43,7 @@ def contact_sheet(frames: Sequence[DrawnFrame], title: str = '') -> Figure:
     height = rows * _PANEL_HEIGHT + LEGEND_HEIGHT + (_TITLE_HEIGHT if title else 0)
     figure = new_figure(max(columns, 2) * _PANEL_WIDTH, height)
     if title:
-        figure.suptitle(title, fontsize=11)
+        figure.suptitle(readable(title), fontsize=11)
     grid = figure.subplots(rows, columns, squeeze=False).ravel()
     for axes, drawn in zip(grid, frames, strict=False):
         draw_frame(axes, drawn)

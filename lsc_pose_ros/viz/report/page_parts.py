@@ -26,6 +26,7 @@ from matplotlib.lines import Line2D
 
 from lsc_pose_ros.viz.drawing.canvas import house_style, new_figure, png_bytes
 from lsc_pose_ros.viz.drawing.colours import PAGE
+from lsc_pose_ros.viz.drawing.readable_text import readable
 from lsc_pose_ros.viz.drawing.svg import Chart, chart_element, swatch_element
 from lsc_pose_ros.viz.report.page_style import style_sheet
 
@@ -52,7 +53,7 @@ def html_page(title: str, body: str, origin: str) -> str:
         origin: when and with what the page was made, plain text, for its end.
     """
     title = escape(title)
-    return f"""\
+    text = f"""\
 <!DOCTYPE html>
 <html lang="en">
 <head>
@@ -68,6 +69,7 @@ def html_page(title: str, body: str, origin: str) -> str:
 </body>
 </html>
 """
+    return readable(text)
 
 
 def origin_of(version: str, made: datetime | None = None) -> str:

@@ -15,6 +15,7 @@
 
 """The same messages in every container that rosbag2 writes."""
 
+import os
 import shutil
 import sqlite3
 from pathlib import Path
@@ -260,6 +261,17 @@ def test_names_that_no_file_can_have_are_left_out(tmp_path, messages):
         f'{BEGIN}relative_file_paths: [{"x" * 300}.mcap, "a\\0b", bag_0.mcap, bag_1.mcap]\n'
     )
     assert list(read_messages(folder)) == messages
+
+
+@pytest.mark.skipif(not hasattr(os, 'mkfifo'), reason='this system has no such pipes')
+@pytest.mark.parametrize('name', ['metadata.yaml', 'a.mcap', 'b_0.db3'])
+def test_pipes_in_a_folder_are_not_opened(tmp_path, messages, name):
+    folder = split(tmp_path / 'bag', messages, 'bag_{}.mcap')
+    (folder / name).unlink(missing_ok=True)
+    os.mkfifo(folder / name)
+    assert list(read_messages(folder)) == messages
+    with pytest.raises(InputError, match='is no file'):
+        read_messages(folder / name)
 
 
 def test_file_that_is_listed_twice_is_read_once(tmp_path, messages):

@@ -98,3 +98,9 @@ def test_frame_without_bodies_is_drawn_whole(drawn: list[DrawnFrame]) -> None:
     empty = frame._replace(labels=np.full_like(frame.labels, NO_BODY), ground_truth=None)
     axes = contact_sheet([DrawnFrame('frame 0', empty)]).axes[0]
     assert axes.get_xlim() == (-0.5, 159.5)
+
+
+def test_title_with_bytes_that_are_no_text_is_drawn(drawn: list[DrawnFrame]) -> None:
+    name = b'\xff\xfe.mcap'.decode('utf-8', 'surrogateescape')
+    sheets = [png_bytes(contact_sheet(drawn[:1], title)) for title in (name, '??.mcap')]
+    assert sheets[0] == sheets[1]
