@@ -240,7 +240,7 @@ def test_bad_input_is_reported_before_any_work(recordings, people, tmp_path, cap
     assert not out.exists()
     (tmp_path / 'file').write_text('')
     line = complaint(capsys, 'experiments', tmp_path / 'file', '--recordings', recordings[0])
-    assert 'does not exist; create it first' in line
+    assert 'file is no folder; choose another name' in line
 
 
 def test_unknown_experiment_lists_the_known_ones(recordings, tmp_path, capsys):
